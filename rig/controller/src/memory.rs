@@ -189,7 +189,7 @@ impl Memory {
 fn set_channels(image: &mut Image, on: ChannelSet, which: ChannelSet) -> ChannelSet {
     let Some(word) = image.bytes_mut().first_chunk_mut() else { return ChannelSet::EMPTY };
     let old = ChannelSet::from_image(*word);
-    let new = old - which | on & which;
+    let new = old.updated(which, on);
     *word = new.to_image();
     old ^ new
 }

@@ -84,6 +84,13 @@ impl ChannelSet {
         }
     }
 
+    /// The same, but with the channels of `which` that are in `from`, and without those of `which` that are not.
+    #[inline]
+    #[must_use]
+    pub const fn updated(self, which: ChannelSet, from: ChannelSet) -> ChannelSet {
+        ChannelSet(self.0 & !which.0 | from.0 & which.0)
+    }
+
     /// Its channels by number.
     #[inline]
     pub const fn iter(self) -> ChannelNumbers {
@@ -236,6 +243,8 @@ mod tests {
             prop_assert_eq!(set(x ^ y), &a ^ &b);
             prop_assert_eq!(x.intersects(y), !a.is_disjoint(&b));
             prop_assert_eq!(x.is_empty(), a.is_empty());
+            let low = ChannelSet::first(16);
+            prop_assert_eq!(x.updated(low, y), (x - low) | (y & low));
             prop_assert!((0..40).all(|n| x.contains(n) == a.contains(&n)));
         }
     }

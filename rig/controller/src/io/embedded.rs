@@ -4,7 +4,7 @@ use super::{EmbeddedIo, OutputWrite, TaskChannels};
 use crate::config::Config;
 use crate::memory::Memory;
 use crate::module::{ExchangeCycle, IoModule, ModuleChannel, OutputChanges, Sharing, Written};
-use profile::{IoChannel, IoStatus};
+use profile::{ChannelSet, IoChannel, IoStatus};
 use signal::{Address, Area, Level, Time, Value};
 
 /// The embedded channels of a configuration with their places in the images (io:ADR-01, io:ADR-02).
@@ -19,6 +19,16 @@ pub(super) fn channels(config: &Config) -> Vec<ModuleChannel> {
         ModuleChannel { default, ..ModuleChannel::new(IoChannel::Output(output.index), address) }
     });
     inputs.chain(outputs).collect()
+}
+
+/// The outputs whose default value is 1.
+pub(super) fn default_outputs(channels: &[ModuleChannel]) -> ChannelSet {
+    let on = channels.iter().filter(|known| known.default != 0);
+    on.filter_map(|known| match known.channel {
+        IoChannel::Output(output) => Some(output),
+        IoChannel::Input(_) => None,
+    })
+    .collect()
 }
 
 impl IoModule for EmbeddedIo {
@@ -91,7 +101,7 @@ impl IoModule for EmbeddedIo {
         }
         let waiting = self.late_write.unwrap_or_default();
         self.late_write = Some(OutputWrite {
-            on: waiting.on - write.which | write.on & write.which,
+            on: waiting.on.updated(write.which, write.on),
             which: waiting.which | write.which,
             rearming: write.rearming.or(waiting.rearming),
         });

@@ -37,7 +37,7 @@ impl ForcedChannels {
     /// The channels at 1 where those of `on` were without forcing.
     #[inline]
     pub(super) fn apply(self, on: ChannelSet) -> ChannelSet {
-        on - self.channels | self.on
+        on.updated(self.channels, self.on)
     }
 
     pub(super) fn set(&mut self, channel: usize, on: Option<bool>) {
@@ -47,7 +47,7 @@ impl ForcedChannels {
 
     /// Takes the channels of `which` from `other`.
     pub(super) fn take(&mut self, other: ForcedChannels, which: ChannelSet) {
-        self.channels = self.channels - which | other.channels & which;
-        self.on = self.on - which | other.on & which;
+        self.channels = self.channels.updated(which, other.channels);
+        self.on = self.on.updated(which, other.on);
     }
 }

@@ -173,7 +173,7 @@ impl Functions {
     pub(super) fn prepare_rest(&mut self, outputs: OutputsInStop, defaults: ChannelSet) {
         self.rest = match outputs {
             OutputsInStop::Keep => ChannelSet::EMPTY,
-            OutputsInStop::Default => defaults & self.outputs() - self.pulses,
+            OutputsInStop::Default => (defaults & self.outputs()) - self.pulses,
         };
     }
 

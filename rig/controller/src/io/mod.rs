@@ -112,8 +112,10 @@ impl EmbeddedIo {
     /// Those of a configuration that was checked, without power.
     pub(crate) fn new(config: &Config) -> EmbeddedIo {
         let bit = |area| move |(byte, bit): (u32, u32)| Address::bit(area, 8 * byte + bit);
+        let channels = embedded::channels(config);
         EmbeddedIo {
-            channels: embedded::channels(config),
+            defaults: embedded::default_outputs(&channels),
+            channels,
             inputs: Inputs::new(config),
             outputs: Outputs::new(profile::outputs(config.reference)),
             functions: Functions::new(config),
@@ -125,7 +127,6 @@ impl EmbeddedIo {
             late_write: None,
             initialization: None,
             stop_image: None,
-            defaults: config.output_defaults,
             alarm_output: config.alarm_output,
             alarm_shows_faults: config.profile != Profile::M241_2014,
             status: profile::short_circuit_status(config.reference).map(bit(Area::Input)),
@@ -225,7 +226,7 @@ impl EmbeddedIo {
     fn drive(&mut self, now: Time, write: OutputWrite, memory: &Memory) -> bool {
         let which = write.which - self.functions.outputs();
         let on = self.with_alarm(write.on);
-        let all = self.outputs.commanded() - which | on & which;
+        let all = self.outputs.commanded().updated(which, on);
         let quiet = self.protection.is_quiet();
         match write.rearming {
             Some(command) => self.protection.update(now, all, command),

@@ -129,7 +129,7 @@ impl Outputs {
     fn command_by(&mut self, now: Time, on: ChannelSet, which: ChannelSet, cause: impl Fn(usize) -> Cause) {
         let changed = (on ^ self.on | self.undriven | self.pulsing) & self.all() & which;
         if !changed.is_empty() {
-            self.on = self.on - changed | on & changed;
+            self.on = self.on.updated(changed, on);
             self.undriven -= changed;
             self.pulsing -= changed;
             self.aim(now, changed, cause);
