@@ -145,6 +145,53 @@ fn forced_outputs() {
     assert_eq!(rig.command(Command::Force { channel: none, on: true }), Err(CommandError::NoChannel(none)));
 }
 
+// controller:FRC-05: both tasks write the byte, one of them the output.
+#[test]
+fn forcing_comes_to_an_output_with_the_task_that_writes_it() {
+    let mut config = Config::new(Profile::M241_2014);
+    config.tasks.push(task("SLOW", 20, ms(100)));
+    let store = |place: &str| vec![(1_000, Act::Store(at(place), 0))];
+    let mut rig = Rig::running(config, Script::new(vec![store("%QX0.4"), store("%QX0.5")]));
+    rig.to(run_at(ms(110)));
+    rig.command(Command::Force { channel: IoChannel::Output(5), on: true }).unwrap();
+    rig.to(run_at(ms(190)));
+    assert_eq!(rig.terminal(5), Level::Low, "MAST writes another bit of the byte");
+    rig.to(run_at(ms(210)));
+    assert_eq!(rig.terminal(5), Level::High);
+}
+
+// controller:PRIO-04, controller:PRIO-08, io:OUT-06, io:OUT-08
+#[test]
+fn status_and_rearming_go_with_the_task_that_uses_them() {
+    for late in [false, true] {
+        let mut config = config();
+        (config.rearming, config.minimize_jitter) = (Rearming::Manual, late);
+        config.tasks.push(task("OTHER", 0, ms(102)));
+        let mut mast = vec![(1_000, Act::Store(at("%QX0.4"), 1))];
+        mast.resize(50, (100_000, Act::Nop));
+        let other = vec![
+            (1_000, Act::Copy(at("%IX2.0"), at("%MX4.0"))),
+            (1_000, Act::Copy(at("%MX6.0"), at("%QX2.0"))),
+        ];
+        let mut rig = Rig::running(config, Script::new(vec![mast, other]));
+        rig.to(run_at(ms(50)));
+        rig.plc.disturb(rig.now, Disturbance::ShortCircuit { output: 4, on: true }, &mut rig.fx);
+        rig.to(run_at(ms(101)));
+        assert_eq!((rig.terminal(4), rig.memory("%IX2.0")), (Level::Low, 0), "MAST does not read the status");
+        rig.to(run_at(ms(103)));
+        assert_eq!(rig.memory("%IX2.0"), 1);
+        rig.plc.disturb(rig.now, Disturbance::ShortCircuit { output: 4, on: false }, &mut rig.fx);
+        write(&mut rig, "%MX6.0", 1);
+        rig.to(run_at(ms(203)));
+        assert_eq!(rig.terminal(4), Level::Low);
+        // OTHER cuts into a cycle of MAST, whose end leaves the command as it is.
+        rig.to(run_at(ms(215)));
+        assert_eq!(rig.terminal(4), if late { Level::Low } else { Level::High });
+        rig.to(run_at(ms(225)));
+        assert_eq!(rig.terminal(4), Level::High);
+    }
+}
+
 #[test]
 fn forced_inputs() {
     let mut rig = with(|_| {});

@@ -151,6 +151,13 @@ impl Application for Player {
             _ => false,
         })
     }
+    fn writes_output_bit(&self, task: usize, bit: u32) -> bool {
+        let bit = Address::bit(signal::Area::Output, bit);
+        self.script.tasks[task].iter().any(|(_, act)| match act {
+            Act::Store(at, _) | Act::Copy(_, at) => at.overlaps(&bit),
+            _ => false,
+        })
+    }
     fn reads_input(&self, task: usize, bit: u32) -> bool {
         let bit = Address::new(signal::Area::Input, signal::Size::Bit, bit).unwrap();
         self.script.tasks[task].iter().any(|(_, act)| match act {
