@@ -10,7 +10,8 @@ use document::SourceFile;
 use host::{HostInstant, Realtime};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use scanrig_drivers::serial::{
-    MessageAssembler, MessageTiming, OpenError, PortSpec, Received, ReceivedMessage, SerialPort, Symbol,
+    MessageAssembler, MessageTiming, OpenError, PortSpec, Received, ReceivedMessage, SerialLinesSpec,
+    SerialPort, Symbol,
 };
 use scanrig_drivers::{
     BoardContext, BoardError, BoardExt, BoardFile, BoardKind, BusError, BusEvent, BusId, BusKind, LossReason,
@@ -77,7 +78,7 @@ fn a_serial_line_is_what_its_board_file_says() {
     )
     .unwrap();
     let BoardKind::Real(spec) = &board.kind else { panic!("{:?}", board.kind) };
-    let [plain, modbus] = spec.serial.as_slice() else { panic!("{:?}", spec.serial) };
+    let [plain, modbus] = spec.of::<SerialLinesSpec>().unwrap().lines.as_slice() else { panic!("{spec:?}") };
     assert_eq!((plain.port.line, plain.port.exclusive), (SerialSettings::default(), true));
     assert_eq!(plain.port.line.to_string(), "19200 Bd 8E1");
     assert_eq!((plain.port.rs485, plain.port.low_latency), (None, None));

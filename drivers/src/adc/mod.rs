@@ -8,6 +8,7 @@ mod board;
 mod calibrated;
 mod certificate;
 mod device;
+mod driver;
 mod handle;
 pub mod iio;
 mod scale;

@@ -6,6 +6,7 @@ mod arrivals;
 mod board;
 mod configure;
 mod device;
+mod driver;
 mod find;
 mod link;
 mod netlink;

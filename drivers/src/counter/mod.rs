@@ -6,6 +6,7 @@
 
 mod board;
 mod device;
+mod driver;
 mod find;
 mod follow;
 #[cfg(test)]

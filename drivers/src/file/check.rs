@@ -4,6 +4,7 @@ use document::{Fields, Findings, Node};
 
 use super::bench::Bench;
 use super::{BoardKind, codes};
+use crate::gpio::GpioSpec;
 use crate::{ChannelId, LoopbackPair};
 
 /// What the key `check` of a real board says.
@@ -21,9 +22,9 @@ pub(super) fn looped(board: &Fields, bench: &Bench, out: &mut Findings) -> Optio
     let (driven, sensed) = (&channels[usize::from(found.out.0)], &channels[usize::from(found.input.0)]);
     // An output tells of the world outside only where another line reads it back.
     let reads_back = |channel: ChannelId| match &bench.file.kind {
-        BoardKind::Real(spec) => {
-            spec.gpio.lines.iter().any(|line| line.channel == channel && line.readback.is_some())
-        }
+        BoardKind::Real(spec) => spec.of::<GpioSpec>().is_some_and(|gpio| {
+            gpio.lines.iter().any(|line| line.channel == channel && line.readback.is_some())
+        }),
         BoardKind::Simulated => false,
     };
     let comes_back =

@@ -28,7 +28,7 @@ use document::Diagnostic;
 use signal::calendar::Date;
 use signal::{Address, Area, Size};
 
-use crate::adc::{Calibrated, calibrated};
+use crate::adc::{AdcsSpec, Calibrated, calibrated};
 use crate::channel_table::ChannelTable;
 use crate::circuit::{ChannelSpec, Circuit, CircuitError, Pull};
 use crate::real::{self as devices, OfflineBoard, RealSpec};
@@ -80,7 +80,7 @@ pub struct Binding {
 }
 
 /// What is behind the channels.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub enum BoardKind {
     /// Modelled lines: the circuit.
     #[default]
@@ -100,7 +100,7 @@ pub enum OnLoss {
 }
 
 /// A board file that was read and is sound.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct BoardFile {
     /// Path as the user gave it; `default board` for the one without a file.
     pub name: String,
@@ -170,7 +170,7 @@ impl BoardFile {
 
     /// Whether its lines are real ones, which live in the host's time alone.
     pub fn is_real(&self) -> bool {
-        self.kind != BoardKind::Simulated
+        matches!(self.kind, BoardKind::Real(_))
     }
 
     /// Whether a device that went away is opened again when it is there again.
@@ -187,7 +187,10 @@ impl BoardFile {
     pub fn calibrated(&self, today: Date) -> Vec<Calibrated> {
         match &self.kind {
             BoardKind::Simulated => Vec::new(),
-            BoardKind::Real(spec) => calibrated(&self.channel_table(), &spec.converters, today),
+            BoardKind::Real(spec) => {
+                let of = |spec| calibrated(&self.channel_table(), spec, today);
+                spec.of::<AdcsSpec>().map_or_else(Vec::new, of)
+            }
         }
     }
 

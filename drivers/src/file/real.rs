@@ -1,5 +1,7 @@
 //! The devices of this machine behind a board file.
 
+use std::sync::Arc;
+
 use document::{Entry, Fields, Findings, Node};
 
 use super::bench::Bench;
@@ -9,6 +11,7 @@ use crate::BusId;
 use crate::can::CanSpec;
 use crate::device_limits::DeviceLimits;
 use crate::real::RealSpec;
+use crate::serial::SerialLinesSpec;
 
 /// What only a board of real devices has: tables of the file, keys of its board.
 const TABLES: &[&str] = &["chips", "converters", "counters", "fault-relays", "generators"];
@@ -75,13 +78,15 @@ pub(super) fn real(fields: &Fields, bench: &mut Bench, out: &mut Findings) -> Op
     let gpio = gpio.filter(|_| !out.has_errors())?;
     Some(RealSpec {
         limits: DeviceLimits { unresponsive_after, reconnect: board.boolean("reconnect").unwrap_or(false) },
-        gpio,
-        converters,
-        counters,
-        generators,
-        can: CanSpec { buses: on_can },
+        devices: vec![
+            Arc::new(gpio),
+            Arc::new(CanSpec { buses: on_can }),
+            Arc::new(SerialLinesSpec { lines: ports }),
+            Arc::new(converters),
+            Arc::new(counters),
+            Arc::new(generators),
+        ],
         relays,
-        serial: ports,
     })
 }
 

@@ -7,6 +7,7 @@
 mod bits;
 mod board;
 mod device;
+mod driver;
 mod handle;
 mod pwm;
 mod sent_edges;

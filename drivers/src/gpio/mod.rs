@@ -4,6 +4,7 @@
 mod board;
 mod chip;
 mod device;
+mod driver;
 mod edges;
 mod error;
 mod find;

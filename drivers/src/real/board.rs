@@ -3,7 +3,6 @@
 use document::Diagnostic;
 use signal::{CanFrame, SerialOutput, Time, Value};
 
-use super::driver::DRIVERS;
 use super::{RealSpec, channels, relays};
 use crate::channel_table::ChannelTable;
 use crate::event_collector::sort_by;
@@ -23,9 +22,9 @@ pub fn open(
 ) -> Result<Box<dyn Board>, Vec<Diagnostic>> {
     let mut board = RealBoard::new(channels(table, spec));
     let mut found = Vec::new();
-    for driver in DRIVERS.iter().filter(|driver| driver.is_used(spec)) {
-        match driver.open(table, spec, context) {
-            Ok(devices) => board.add(devices, driver.serves(spec)),
+    for devices in spec.devices.iter().filter(|devices| devices.is_used()) {
+        match devices.open(table, spec.limits, context) {
+            Ok(part) => board.add(part, devices.serves()),
             Err(more) => found.extend(more),
         }
     }

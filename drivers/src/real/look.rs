@@ -3,7 +3,6 @@
 use document::Diagnostic;
 
 use super::RealSpec;
-use super::driver::DRIVERS;
 use crate::bus::BusId;
 use crate::channel::ChannelId;
 use crate::channel_table::ChannelTable;
@@ -22,7 +21,7 @@ pub struct Look {
 /// Looks at the devices of a board. Nothing is set up, and nothing is kept.
 pub fn look(table: &ChannelTable, spec: &RealSpec) -> Look {
     let mut look = Look::default();
-    DRIVERS.iter().for_each(|driver| driver.probe(table, spec, &mut look));
+    spec.devices.iter().for_each(|devices| devices.probe(table, &mut look));
     look.buses.sort_by_key(|(bus, ..)| *bus);
     look
 }

@@ -1,7 +1,6 @@
 //! Boards of this machine's devices: one board of all the devices that a board file names.
 
 mod board;
-mod driver;
 mod look;
 mod offline;
 mod relays;
@@ -14,6 +13,6 @@ pub use look::{Look, look};
 pub use offline::OfflineBoard;
 pub(crate) use offline::channels;
 pub use relays::FaultRelays;
-pub use spec::RealSpec;
+pub use spec::{DeviceSpec, RealSpec};
 pub use uses::{Used, uses};
 pub use wire::{FaultWay, SETTLE, WireRelays};

@@ -1,6 +1,5 @@
 //! A board of real devices that nobody opened.
 
-use super::driver::DRIVERS;
 use super::{RealSpec, WireRelays, wire};
 use crate::channel_table::ChannelTable;
 use crate::{
@@ -28,7 +27,7 @@ impl OfflineBoard {
 /// The channels of a board of real devices, before anything is known of the devices.
 pub(crate) fn channels(table: &ChannelTable, spec: &RealSpec) -> Vec<Channel> {
     let mut channels = table.blank();
-    DRIVERS.iter().for_each(|driver| driver.describe(table, spec, &mut channels));
+    spec.devices.iter().for_each(|devices| devices.describe(table, spec.limits, &mut channels));
     wire::describe(&spec.relays, &mut channels);
     channels
 }
@@ -36,7 +35,7 @@ pub(crate) fn channels(table: &ChannelTable, spec: &RealSpec) -> Vec<Channel> {
 /// The buses of a board of real devices, before anything is known of the devices.
 pub(crate) fn buses(spec: &RealSpec) -> Vec<Bus> {
     let mut buses = Vec::new();
-    DRIVERS.iter().for_each(|driver| driver.describe_buses(spec, &mut buses));
+    spec.devices.iter().for_each(|devices| devices.describe_buses(&mut buses));
     buses
 }
 

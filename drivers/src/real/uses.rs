@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use super::RealSpec;
-use super::driver::DRIVERS;
 
 /// A device of this machine that a board uses, or some lines of one.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -15,12 +14,13 @@ pub struct Used {
 }
 
 impl Used {
-    pub(super) fn whole(device: impl Into<String>) -> Used {
+    /// A device as a whole.
+    pub fn whole(device: impl Into<String>) -> Used {
         Used { device: device.into(), lines: None }
     }
 
     /// The device behind a path; `None` where there is none now.
-    pub(super) fn behind(path: &Path) -> Option<Used> {
+    pub fn behind(path: &Path) -> Option<Used> {
         let device = path.canonicalize().ok()?;
         let below = device.strip_prefix("/dev").unwrap_or(&device);
         Some(Used::whole(below.to_str()?.trim_start_matches('/').replace('/', "-")))
@@ -31,7 +31,7 @@ impl Used {
 pub fn uses(spec: &RealSpec) -> Vec<Used> {
     // What is named twice is refused when it is opened; here it must not meet itself.
     let mut once: Vec<Used> = Vec::new();
-    for device in DRIVERS.iter().flat_map(|driver| driver.occupies(spec)) {
+    for device in spec.devices.iter().flat_map(|devices| devices.occupies()) {
         if !once.contains(&device) {
             once.push(device);
         }

@@ -6,6 +6,7 @@
 mod assembler;
 mod board;
 mod device;
+mod driver;
 mod error;
 mod find;
 mod handle;
@@ -23,7 +24,7 @@ pub use marks::{Marks, Symbol};
 pub(crate) use open::refused;
 pub use open::{OpenError, UnsupportedSetting};
 pub use port::{Received, Sending, SerialPort};
-pub use spec::{PortSpec, SerialSpec};
+pub use spec::{PortSpec, SerialLinesSpec, SerialSpec};
 
 use crate::{Bus, BusKind, TimestampSource};
 

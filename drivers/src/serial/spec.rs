@@ -8,6 +8,13 @@ use signal::{SerialSettings, Span};
 
 use crate::BusId;
 
+/// The serial lines of a board.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SerialLinesSpec {
+    /// The lines, in the order of their numbers among the buses.
+    pub lines: Vec<SerialSpec>,
+}
+
 /// A serial line of the board.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SerialSpec {

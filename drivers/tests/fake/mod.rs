@@ -181,7 +181,7 @@ pub fn limits(file: &BoardFile) -> DeviceLimits {
 /// What the board file says of lines.
 pub fn spec(file: &BoardFile) -> &GpioSpec {
     let BoardKind::Real(spec) = &file.kind else { panic!("{:?}", file.kind) };
-    &spec.gpio
+    spec.of().unwrap()
 }
 
 /// What a board of the chip is made of.

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use document::SourceFile;
 use host::{HostInstant, Realtime};
-use scanrig_drivers::generator::{Generator, GeneratorBoard, Sent, Source};
+use scanrig_drivers::generator::{Generator, GeneratorBoard, GeneratorsSpec, Sent, Source};
 use scanrig_drivers::{BoardContext, BoardFile, BoardKind, OutputClaim, Terminals, read};
 use signal::Span;
 
@@ -144,6 +144,7 @@ pub fn file(unresponsive_after: &str, reconnect: bool) -> BoardFile {
 /// A board of both generators, the stream by the first script, the chip by the second.
 pub fn board(file: &BoardFile, scripts: [&Arc<Script>; 2]) -> (GeneratorBoard, BoardContext) {
     let BoardKind::Real(spec) = &file.kind else { panic!("{:?}", file.kind) };
+    let generators = spec.of::<GeneratorsSpec>().unwrap();
     let at = BoardContext::new(Realtime::default());
     let source = |(place, script): (usize, &Arc<Script>)| {
         let of = script.clone();
@@ -151,11 +152,11 @@ pub fn board(file: &BoardFile, scripts: [&Arc<Script>; 2]) -> (GeneratorBoard, B
         let (first, script) = (scripted.clone(), script.clone());
         Source {
             generator: first(),
-            kind: spec.generators.generators[place].kind.clone(),
-            outputs: spec.generators.outputs_of(place),
+            kind: generators.generators[place].kind.clone(),
+            outputs: generators.outputs_of(place),
             again: Box::new(move || script.there.load(Ordering::Acquire).then(&scripted)),
         }
     };
     let sources = scripts.into_iter().enumerate().map(source).collect();
-    (GeneratorBoard::on(&file.channel_table(), &spec.generators, spec.limits, &at, sources).unwrap(), at)
+    (GeneratorBoard::on(&file.channel_table(), generators, spec.limits, &at, sources).unwrap(), at)
 }

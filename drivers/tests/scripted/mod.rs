@@ -9,7 +9,7 @@ use std::sync::{Arc, Condvar, Mutex};
 
 use document::SourceFile;
 use host::{HostInstant, Realtime};
-use scanrig_drivers::adc::{Adc, AdcBoard, InRange, Pace, Reading, Source};
+use scanrig_drivers::adc::{Adc, AdcBoard, AdcsSpec, InRange, Pace, Reading, Source};
 use scanrig_drivers::real::RealSpec;
 use scanrig_drivers::{BoardContext, BoardFile, BoardKind, Terminals, read};
 use signal::Span;
@@ -117,7 +117,8 @@ pub fn spec(file: &BoardFile) -> &RealSpec {
 /// A board of the converter.
 pub fn board(file: &BoardFile, script: &Arc<Script>) -> (AdcBoard, BoardContext) {
     let (spec, at) = (spec(file), BoardContext::new(Realtime::default()));
-    let period = spec.converters.converters[0].period;
+    let adcs = spec.of::<AdcsSpec>().unwrap();
+    let period = adcs.converters[0].period;
     let scripted = {
         let script = script.clone();
         move || -> Box<dyn Adc> { Box::new(Scripted { script: script.clone(), period }) }
@@ -126,6 +127,6 @@ pub fn board(file: &BoardFile, script: &Arc<Script>) -> (AdcBoard, BoardContext)
         let (script, scripted) = (script.clone(), scripted.clone());
         Box::new(move || script.there.load(Ordering::Acquire).then(&scripted))
     };
-    let source = Source { converter: scripted(), inputs: spec.converters.samples.clone(), period, again };
-    (AdcBoard::on(&file.channel_table(), &spec.converters, spec.limits, &at, vec![source]).unwrap(), at)
+    let source = Source { converter: scripted(), inputs: adcs.samples.clone(), period, again };
+    (AdcBoard::on(&file.channel_table(), adcs, spec.limits, &at, vec![source]).unwrap(), at)
 }

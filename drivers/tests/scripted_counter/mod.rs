@@ -9,7 +9,7 @@ use std::sync::{Arc, Condvar, Mutex};
 
 use document::SourceFile;
 use host::{CounterEvent, HostInstant, Realtime};
-use scanrig_drivers::counter::{Counter, CounterBoard, Reading, Source};
+use scanrig_drivers::counter::{Counter, CounterBoard, CountersSpec, Reading, Source};
 use scanrig_drivers::{BoardContext, BoardFile, BoardKind, Terminals, read};
 
 /// What the counter is to do.
@@ -90,6 +90,7 @@ pub fn file(unresponsive_after: &str, period: &str, reconnect: bool) -> BoardFil
 /// A board of the counter.
 pub fn board(file: &BoardFile, script: &Arc<Script>) -> (CounterBoard, BoardContext) {
     let BoardKind::Real(spec) = &file.kind else { panic!("{:?}", file.kind) };
+    let counters = spec.of::<CountersSpec>().unwrap();
     let at = BoardContext::new(Realtime::default());
     let again = {
         let script = script.clone();
@@ -99,8 +100,8 @@ pub fn board(file: &BoardFile, script: &Arc<Script>) -> (CounterBoard, BoardCont
     };
     let source = Source {
         counter: Box::new(Scripted(script.clone())),
-        channel: spec.counters.counts[0].channel,
+        channel: counters.counts[0].channel,
         again: Box::new(again),
     };
-    (CounterBoard::on(&file.channel_table(), &spec.counters, spec.limits, &at, vec![source]).unwrap(), at)
+    (CounterBoard::on(&file.channel_table(), counters, spec.limits, &at, vec![source]).unwrap(), at)
 }

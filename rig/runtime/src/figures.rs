@@ -3,6 +3,7 @@
 use crate::codes;
 use crate::describe::hex;
 use document::Diagnostic;
+use drivers::gpio::GpioSpec;
 use drivers::{BoardFile, BoardKind};
 use host::{Histogram, Machine};
 use record::{Durations, MAX_MACHINE_BYTES, MachineRecord};
@@ -154,7 +155,7 @@ pub fn kept(folder: &Path, kind: &str, board_sha256: &str) -> Result<Option<Mach
 /// lines. Channels, names and terminals do not matter: the times of a chip are those of its chip.
 pub fn devices(file: &BoardFile) -> String {
     let BoardKind::Real(spec) = &file.kind else { return String::new() };
-    let spec = &spec.gpio;
+    let Some(spec) = spec.of::<GpioSpec>() else { return String::new() };
     let mut text = format!("gpio {:?}\n", spec.backend);
     for chip in &spec.chips {
         let _ = writeln!(text, "{:?}", chip.find);

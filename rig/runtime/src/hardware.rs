@@ -8,6 +8,7 @@ use crate::figures::{self, MachineFigures};
 use crate::heartbeat::Heartbeat;
 use crate::instrument::{self, Instrument, LoopFault};
 use document::Diagnostic;
+use drivers::gpio::GpioSpec;
 use drivers::real::OfflineBoard;
 use drivers::{
     Board, BoardContext, BoardError, BoardEvent, BoardFile, BoardKind, Channel, ChannelId, Health,
@@ -278,8 +279,8 @@ const BUSY: &str = "B0174";
 fn took_over(file: &BoardFile, found: &[Diagnostic]) -> bool {
     let BoardKind::Real(spec) = &file.kind else { return false };
     let busy = found.iter().any(|found| found.code == BUSY);
-    busy && drivers::gpio::devices(&spec.gpio).iter().map(|device| guard::take_over(device)).sum::<usize>()
-        > 0
+    let Some(gpio) = spec.of::<GpioSpec>().filter(|_| busy) else { return false };
+    drivers::gpio::devices(gpio).iter().map(|device| guard::take_over(device)).sum::<usize>() > 0
 }
 
 /// How far the guard can do what it is for, in words.

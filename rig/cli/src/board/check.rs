@@ -7,8 +7,8 @@ use clap::Args;
 use document::Diagnostic;
 use drivers::ChannelId;
 use drivers::file::BoardKind;
-use drivers::gpio::{self, Direction, FoundChip, LineInfo};
-use drivers::real;
+use drivers::gpio::{self, Direction, FoundChip, GpioSpec, LineInfo};
+use drivers::real::{self, DeviceSpec};
 use std::path::PathBuf;
 
 /// `rig board check`.
@@ -26,9 +26,9 @@ pub fn run(args: &CheckArgs) -> Exit {
         Err(exit) => return exit,
     };
     // A board without lines needs no chip.
-    let whole = match bench.spec.gpio.lines.is_empty() {
-        true => Ok(Vec::new()),
-        false => gpio::find(&bench.file.name, &bench.spec.gpio),
+    let whole = match bench.spec.of::<GpioSpec>().filter(|gpio| gpio.is_used()) {
+        None => Ok(Vec::new()),
+        Some(gpio) => gpio::find(&bench.file.name, gpio),
     };
     let others = real::look(&bench.file.channel_table(), &bench.spec);
     let rows: Vec<Option<FoundLine>> = (0..bench.file.circuit.channels.len())
@@ -89,7 +89,7 @@ fn found(chips: &[FoundChip], channel: ChannelId) -> Option<FoundLine> {
 fn alone(bench: &RealBoardFile, at: usize) -> Option<FoundLine> {
     let file = bench.subset(|other, line| (other == at).then(|| line.clone()), OtherDevices::Excluded);
     let BoardKind::Real(spec) = &file.kind else { return None };
-    found(&gpio::find(&file.name, &spec.gpio).ok()?, ChannelId(0))
+    found(&gpio::find(&file.name, spec.of()?).ok()?, ChannelId(0))
 }
 
 /// A chip in a line.

@@ -3,16 +3,16 @@
 use crate::exit::Exit;
 use crate::output;
 use document::{Diagnostic, SourceFile};
-use drivers::adc::SampleSpec;
 use drivers::circuit::ChannelSpec;
-use drivers::counter::CountSpec;
 use drivers::file::{BoardFile, BoardKind};
-use drivers::gpio::{Direction, LineSpec};
-use drivers::real::{FaultWay, RealSpec};
+use drivers::gpio::{Direction, GpioSpec, LineSpec};
+use drivers::real::{DeviceSpec, FaultWay, OfflineBoard, RealSpec};
 use drivers::{Board, BoardContext, BoardError, ChannelId};
 use runtime::suite::{self, Disk};
 use signal::Time;
+use std::any::Any;
 use std::path::Path;
+use std::sync::Arc;
 
 /// The board file has no real lines.
 const NO_REAL_LINES: &str = "R0243";
@@ -69,7 +69,7 @@ impl RealBoardFile {
 
     /// The GPIO line of a channel.
     pub fn line(&self, channel: usize) -> Option<&LineSpec> {
-        self.spec.gpio.lines.iter().find(|line| usize::from(line.channel.0) == channel)
+        self.spec.of::<GpioSpec>()?.lines.iter().find(|line| usize::from(line.channel.0) == channel)
     }
 
     /// What the channel does where it is that of a fault relay, in words.
@@ -86,16 +86,6 @@ impl RealBoardFile {
         })
     }
 
-    /// The input of a channel.
-    pub fn sample(&self, channel: usize) -> Option<&SampleSpec> {
-        self.spec.converters.samples.iter().find(|sample| usize::from(sample.channel.0) == channel)
-    }
-
-    /// What counts for a channel.
-    fn count(&self, channel: usize) -> Option<&CountSpec> {
-        self.spec.counters.counts.iter().find(|count| usize::from(count.channel.0) == channel)
-    }
-
     /// The board of some of the lines: each as `keep` has it, or not at all; and with what else there is, converters and
     /// buses, or with lines alone. Nothing is bound on it.
     pub fn subset(
@@ -103,35 +93,44 @@ impl RealBoardFile {
         keep: impl Fn(usize, &LineSpec) -> Option<LineSpec>,
         others: OtherDevices,
     ) -> BoardFile {
-        let mut spec = self.spec.clone();
-        spec.gpio.lines.clear();
-        spec.converters.samples.clear();
-        spec.counters.counts.clear();
+        let is_gpio = |devices: &&Arc<dyn DeviceSpec>| (devices.as_ref() as &dyn Any).is::<GpioSpec>();
+        let others: Vec<&Arc<dyn DeviceSpec>> = match others {
+            OtherDevices::Included => self.spec.devices.iter().filter(|one| !is_gpio(one)).collect(),
+            OtherDevices::Excluded => Vec::new(),
+        };
         // What makes pulses reports nothing by itself, and is not to be moved.
-        spec.generators.outputs.clear();
-        if others == OtherDevices::Excluded {
-            spec.can.buses.clear();
-            spec.serial.clear();
-        }
-        // A relay is an output like any other here: nobody asks for faults.
-        spec.relays.clear();
+        let described = OfflineBoard::new(&self.file.channel_table(), &self.spec);
+        let is_moved = |id: &ChannelId| {
+            described
+                .channels()
+                .get(usize::from(id.0))
+                .is_none_or(|known| known.drives || known.emits.is_some())
+        };
+        let mut sensed: Vec<ChannelId> = others.iter().flat_map(|devices| devices.serves()).collect();
+        sensed.retain(|id| !is_moved(id));
         let mut file = BoardFile { bind: Vec::new(), ..self.file.clone() };
         file.circuit.channels.clear();
+        let mut lines = Vec::new();
+        let mut numbers = Vec::new();
         for (at, channel) in self.file.circuit.channels.iter().enumerate() {
             let line = self.line(at).and_then(|line| keep(at, line));
-            let sample = self.sample(at).filter(|_| others == OtherDevices::Included);
             let Ok(place) = u16::try_from(file.circuit.channels.len()) else { break };
             let id = ChannelId(place);
             let drives = line.as_ref().is_some_and(|line| line.direction == Direction::Output);
-            let count = self.count(at).filter(|_| others == OtherDevices::Included);
-            if line.is_none() && sample.is_none() && count.is_none() {
+            let other = sensed.iter().find(|other| usize::from(other.0) == at);
+            if line.is_none() && other.is_none() {
                 continue;
             }
             file.circuit.channels.push(ChannelSpec { drives, senses: true, ..channel.clone() });
-            spec.gpio.lines.extend(line.map(|line| LineSpec { channel: id, ..line }));
-            spec.counters.counts.extend(count.map(|count| CountSpec { channel: id, ..*count }));
-            spec.converters.samples.extend(sample.map(|sample| SampleSpec { channel: id, ..sample.clone() }));
+            lines.extend(line.map(|line| LineSpec { channel: id, ..line }));
+            numbers.extend(other.map(|other| (*other, id)));
         }
+        let number = |old: ChannelId| numbers.iter().find(|(other, _)| *other == old).map(|(_, new)| *new);
+        let gpio = self.spec.of::<GpioSpec>().map(|gpio| GpioSpec { lines, ..gpio.clone() });
+        let gpio = gpio.map(|gpio| Arc::new(gpio) as Arc<dyn DeviceSpec>);
+        let devices = gpio.into_iter().chain(others.iter().map(|devices| devices.with_channels(&number)));
+        // A relay is an output like any other here: nobody asks for faults.
+        let spec = RealSpec { limits: self.spec.limits, devices: devices.collect(), relays: Vec::new() };
         file.kind = BoardKind::Real(Box::new(spec));
         file
     }

@@ -5,9 +5,14 @@ use super::devices::{GROUP, grant};
 use super::settings::{self, TRANSFERS};
 use crate::exit::Exit;
 use crate::output;
-use drivers::adc::AdcKind;
+use drivers::adc::{AdcKind, AdcsSpec};
+use drivers::can::CanSpec;
+use drivers::counter::CountersSpec;
 use drivers::file::{BoardFile, BoardKind};
-use drivers::generator::GeneratorKind;
+use drivers::generator::{GeneratorKind, GeneratorsSpec};
+use drivers::gpio::GpioSpec;
+use drivers::real::DeviceSpec;
+use drivers::serial::SerialLinesSpec;
 use host::Machine;
 use runtime::suite::{self, Disk};
 use std::path::Path;
@@ -51,16 +56,17 @@ fn of(file: &BoardFile) -> BoardDevices {
             used.push(name);
         }
     };
-    uses("GPIO", !spec.gpio.lines.is_empty());
+    uses("GPIO", spec.of::<GpioSpec>().is_some_and(GpioSpec::is_used));
     // A converter that no channel uses may be missing.
     let read = |spi: bool| {
-        spec.converters.samples.iter().any(|sample| {
-            let kind = spec.converters.converters.get(sample.converter).map(|converter| &converter.kind);
-            kind.is_some_and(|kind| matches!(kind, AdcKind::Spi(_)) == spi)
+        spec.of::<AdcsSpec>().is_some_and(|adcs| {
+            let kinds = adcs.samples.iter().filter_map(|sample| adcs.converters.get(sample.converter));
+            kinds.into_iter().any(|converter| matches!(converter.kind, AdcKind::Spi(_)) == spi)
         })
     };
     let generators = || {
-        spec.generators.outputs.iter().filter_map(|output| spec.generators.generators.get(output.generator))
+        let all = spec.of::<GeneratorsSpec>().into_iter();
+        all.flat_map(|all| all.outputs.iter().filter_map(|output| all.generators.get(output.generator)))
     };
     let streams = generators().filter_map(|generator| match &generator.kind {
         GeneratorKind::Stream(stream) => Some(stream.buffer),
@@ -70,9 +76,10 @@ fn of(file: &BoardFile) -> BoardDevices {
     uses("SPI", read(true) || buffer > 0);
     uses("PWM", generators().any(|generator| matches!(generator.kind, GeneratorKind::Pwm(_))));
     uses("ADC", read(false));
-    uses("counter", !spec.counters.counts.is_empty());
-    uses("CAN", !spec.can.buses.is_empty());
-    let ports = spec.serial.iter().map(|serial| serial.port.path.to_string_lossy().into_owned());
+    uses("counter", spec.of::<CountersSpec>().is_some_and(CountersSpec::is_used));
+    uses("CAN", spec.of::<CanSpec>().is_some_and(CanSpec::is_used));
+    let serial = spec.of::<SerialLinesSpec>().into_iter().flat_map(|serial| &serial.lines);
+    let ports = serial.map(|line| line.port.path.to_string_lossy().into_owned());
     BoardDevices { names: used, buffer, ports: ports.collect(), counts: super::figures::counts(file) }
 }
 

@@ -2,6 +2,7 @@
 
 use super::check::Check;
 use drivers::file::{BoardFile, BoardKind};
+use drivers::gpio::GpioSpec;
 use host::Machine;
 use runtime::figures::{self, CountingLimit};
 use signal::Span;
@@ -18,9 +19,10 @@ pub fn checks(machine: &Machine) -> Vec<Check> {
 pub fn counts(file: &BoardFile) -> Option<Check> {
     const NAME: &str = "counting";
     let BoardKind::Real(spec) = &file.kind else { return None };
-    let promised = spec.gpio.lines.iter().filter_map(|line| Some((line, line.counts_hz?)));
+    let lines = &spec.of::<GpioSpec>()?.lines;
+    let promised = lines.iter().filter_map(|line| Some((line, line.counts_hz?)));
     let promised = promised.max_by_key(|(_, hz)| *hz);
-    if spec.gpio.lines.is_empty() {
+    if lines.is_empty() {
         return None;
     }
     let fix = format!("rig bench counts {}", file.name);

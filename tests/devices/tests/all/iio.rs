@@ -4,7 +4,7 @@ mod plan;
 
 use devices::{ADC, Adc, Lab, PATIENCE, wait_for};
 use document::SourceFile;
-use drivers::adc::{self, AdcSpec, InRange, Pace, Reading, SampleSpec};
+use drivers::adc::{self, AdcSpec, AdcsSpec, InRange, Pace, Reading, SampleSpec};
 use drivers::{
     Board, BoardContext, BoardEvent, BoardFile, BoardKind, ChannelId, LossReason, Refusal, Terminals,
 };
@@ -41,7 +41,8 @@ fn spec(keys: &str, inputs: &[u16]) -> (AdcSpec, Vec<SampleSpec>) {
     let channel = |input| format!("v{input} = {{ kind = \"analog\", unit = \"V\", input = {input} }}\n");
     let file = read(&text(keys, &inputs.iter().map(channel).collect::<String>()));
     let BoardKind::Real(spec) = file.kind else { panic!("a real board") };
-    (spec.converters.converters[0].clone(), spec.converters.samples)
+    let adcs = spec.of::<AdcsSpec>().unwrap();
+    (adcs.converters[0].clone(), adcs.samples.clone())
 }
 
 fn opened(keys: &str, inputs: &[u16]) -> Box<dyn adc::Adc> {

@@ -1,42 +1,40 @@
-//! Converters of analogue inputs.
+//! What the rig does with the converters of a board.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use document::Diagnostic;
 
-use super::DeviceDriver;
-use crate::adc::{self, AdcBoard, AdcKind, AdcSpec, FindInput, SampleSpec, iio, spi};
+use super::{AdcBoard, AdcKind, AdcSpec, AdcsSpec, FindInput, SampleSpec, iio, spi};
 use crate::board::Board;
 use crate::channel::{Channel, ChannelId};
 use crate::channel_table::ChannelTable;
 use crate::context::BoardContext;
-use crate::real::{Look, RealSpec, Used};
+use crate::device_limits::DeviceLimits;
+use crate::real::{DeviceSpec, Look, Used};
 use crate::refusal::Refusal;
 
-pub(super) struct Adcs;
-
 /// The converters of a board with their inputs. One that no channel uses may be missing: it is left alone.
-fn used(spec: &RealSpec) -> impl Iterator<Item = (&AdcSpec, Vec<SampleSpec>)> {
-    let all = spec.converters.converters.iter().enumerate();
-    all.map(|(at, converter)| (converter, spec.converters.inputs_of(at)))
-        .filter(|(_, inputs)| !inputs.is_empty())
+fn used(spec: &AdcsSpec) -> impl Iterator<Item = (&AdcSpec, Vec<SampleSpec>)> {
+    let all = spec.converters.iter().enumerate();
+    all.map(|(at, converter)| (converter, spec.inputs_of(at))).filter(|(_, inputs)| !inputs.is_empty())
 }
 
-impl DeviceDriver for Adcs {
-    fn is_used(&self, spec: &RealSpec) -> bool {
-        !spec.converters.samples.is_empty()
+impl DeviceSpec for AdcsSpec {
+    fn is_used(&self) -> bool {
+        !self.samples.is_empty()
     }
 
-    fn serves(&self, spec: &RealSpec) -> Vec<ChannelId> {
-        spec.converters.samples.iter().map(|sample| sample.channel).collect()
+    fn serves(&self) -> Vec<ChannelId> {
+        self.samples.iter().map(|sample| sample.channel).collect()
     }
 
-    fn describe(&self, table: &ChannelTable, spec: &RealSpec, channels: &mut [Channel]) {
-        adc::describe(table, &spec.converters, channels);
+    fn describe(&self, table: &ChannelTable, _limits: DeviceLimits, channels: &mut [Channel]) {
+        super::describe(table, self, channels);
     }
 
-    fn probe(&self, table: &ChannelTable, spec: &RealSpec, look: &mut Look) {
-        for (converter, inputs) in used(spec) {
+    fn probe(&self, table: &ChannelTable, look: &mut Look) {
+        for (converter, inputs) in used(self) {
             match inputs_of(converter, &inputs) {
                 Ok(words) => {
                     let words = inputs.iter().zip(words).map(|(sample, words)| (sample.channel, Some(words)));
@@ -51,23 +49,30 @@ impl DeviceDriver for Adcs {
         }
     }
 
-    fn occupies(&self, spec: &RealSpec) -> Vec<Used> {
+    fn occupies(&self) -> Vec<Used> {
         let device = |(converter, _): (&AdcSpec, _)| match &converter.kind {
             AdcKind::Spi(spi) => Used::behind(&spi.path),
             AdcKind::Iio(spec) => {
                 iio::find(Path::new("/"), spec).ok().map(|device| Used::whole(device.number))
             }
         };
-        used(spec).filter_map(device).collect()
+        used(self).filter_map(device).collect()
     }
 
     fn open(
         &self,
         table: &ChannelTable,
-        spec: &RealSpec,
+        limits: DeviceLimits,
         context: &BoardContext,
     ) -> Result<Box<dyn Board>, Vec<Diagnostic>> {
-        Ok(Box::new(AdcBoard::open(table, &spec.converters, spec.limits, context)?))
+        Ok(Box::new(AdcBoard::open(table, self, limits, context)?))
+    }
+
+    fn with_channels(&self, number: &dyn Fn(ChannelId) -> Option<ChannelId>) -> Arc<dyn DeviceSpec> {
+        let sample =
+            |sample: &SampleSpec| Some(SampleSpec { channel: number(sample.channel)?, ..sample.clone() });
+        let samples = self.samples.iter().filter_map(sample).collect();
+        Arc::new(AdcsSpec { converters: self.converters.clone(), samples })
     }
 }
 
