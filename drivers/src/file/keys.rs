@@ -3,7 +3,7 @@
 use document::{KeySpec, KeyType};
 use host::Processors;
 
-use super::counter;
+use super::devices::counter;
 
 mod devices;
 

@@ -1,17 +1,12 @@
 //! The board file: which controller is tested, on which board, bound how.
 
-mod adc;
 mod bench;
 mod buses;
-mod can;
 mod check;
 pub(crate) mod control;
-mod counter;
-mod generators;
+mod devices;
 mod guard;
-mod iio;
 mod keys;
-mod lines;
 mod number;
 mod parts;
 mod ports;
@@ -19,9 +14,7 @@ mod read;
 mod real;
 mod realtime;
 mod relays;
-mod serial;
 mod sim_buses;
-mod spi;
 mod subject;
 
 use document::Diagnostic;
@@ -31,7 +24,7 @@ use signal::{Address, Area, Size};
 use crate::adc::{AdcsSpec, Calibrated, calibrated};
 use crate::channel_table::ChannelTable;
 use crate::circuit::{ChannelSpec, Circuit, CircuitError, Pull};
-use crate::real::{self as devices, OfflineBoard, RealSpec};
+use crate::real::{self as real_devices, OfflineBoard, RealSpec};
 use crate::wrap::{Disturbance, Faulty};
 use crate::{Board, BoardContext, ChannelId, LoopbackPair, RealtimeSettings, SimulatedBoard};
 
@@ -242,6 +235,6 @@ pub fn build(file: &BoardFile, seed: u64) -> Result<Box<dyn Board>, CircuitError
 pub fn open(file: &BoardFile, context: &BoardContext) -> Result<Option<Box<dyn Board>>, Vec<Diagnostic>> {
     match &file.kind {
         BoardKind::Simulated => Ok(None),
-        BoardKind::Real(spec) => Ok(Some(devices::open(&file.channel_table(), spec, context)?)),
+        BoardKind::Real(spec) => Ok(Some(real_devices::open(&file.channel_table(), spec, context)?)),
     }
 }

@@ -3,11 +3,12 @@
 use document::{Diagnostic, Fields, Findings, Node, SourceFile, suggest, toml};
 
 use super::bench::Bench;
+use super::devices::counter;
 use super::realtime::realtime;
 use super::subject::{subject, subject_lines};
 use super::{
-    BoardFile, BoardKind, OnLoss, Subject, Terminals, UnknownSubject, check, codes, control, counter, guard,
-    keys, parts, ports, real, sim_buses,
+    BoardFile, BoardKind, OnLoss, Subject, Terminals, UnknownSubject, check, codes, control, guard, keys,
+    parts, ports, real, sim_buses,
 };
 
 /// Reads a board file. `terminals` tells which terminals a subject has.

@@ -4,7 +4,8 @@ use document::{Entry, Fields, Findings};
 use signal::{SerialSettings, Span};
 
 use super::buses::buses;
-use super::{codes, serial};
+use super::codes;
+use super::devices::serial;
 use crate::BusId;
 use crate::circuit::{BusSpec, BusSpecKind, CanRates, SerialEnd, SerialMedium};
 

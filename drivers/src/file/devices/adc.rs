@@ -1,14 +1,22 @@
 //! The converters of a board file, and the inputs behind its analog channels.
 
+use std::sync::Arc;
+
 use document::{Data, Entry, Fields, Findings, Node, suggest};
 use signal::calendar::Date;
 use signal::{Quantity, QuantityRange, Span, Unit};
 
-use super::bench::Bench;
-use super::real::channels;
-use super::{codes, generators, iio, keys, number, spi};
+use super::{Bench, DeviceReader, channels, codes, generators, iio, keys, lines, number, spi};
 use crate::ChannelId;
 use crate::adc::{Accuracy, AdcKind, AdcSpec, AdcsSpec, Certificate, FindInput, Point, SampleSpec, Scale};
+
+/// Converters.
+pub(super) const READER: DeviceReader = DeviceReader {
+    tables: &["converters"],
+    channel_keys: OF_INPUT,
+    bus_kind: None,
+    read: |fields, bench, out| Some(Arc::new(converters(fields, bench, out))),
+};
 
 /// How often an input is read where the file does not say.
 const PERIOD: Span = Span::from_millis(10);
@@ -27,7 +35,7 @@ pub(super) const OF_INPUT: &[&str] = &[
 ];
 
 /// The converters of a file whose channels and bindings were read. What is wrong with them is reported.
-pub(super) fn converters(fields: &Fields, bench: &mut Bench, out: &mut Findings) -> AdcsSpec {
+fn converters(fields: &Fields, bench: &mut Bench, out: &mut Findings) -> AdcsSpec {
     let mut spec = AdcsSpec::default();
     let table = fields.get("converters").and_then(Node::as_table);
     // Of those that are wrong the names count all the same: each is reported once.
@@ -53,7 +61,7 @@ pub(super) fn converters(fields: &Fields, bench: &mut Bench, out: &mut Findings)
                 continue;
             }
         }
-        if reject_foreign_keys(&fields, super::real::OF_LINE, "an analog channel", out) {
+        if reject_foreign_keys(&fields, lines::OF_LINE, "an analog channel", out) {
             continue;
         }
         for entry in ["drives", "safe"].iter().filter_map(|key| fields.entry(key)) {
@@ -78,7 +86,7 @@ pub(super) fn converters(fields: &Fields, bench: &mut Bench, out: &mut Findings)
 }
 
 /// Reports keys that belong to the other kind of channel, if there are any.
-pub(super) fn reject_foreign_keys(fields: &Fields, keys: &[&str], what: &str, out: &mut Findings) -> bool {
+fn reject_foreign_keys(fields: &Fields, keys: &[&str], what: &str, out: &mut Findings) -> bool {
     for entry in keys.iter().filter_map(|key| fields.entry(key)) {
         let message = format!("{what} has no `{}`", entry.key);
         out.error(codes::CHANNEL_PROPERTY, entry.key_span.clone(), message, "remove it, or change the kind");

@@ -1,26 +1,37 @@
 //! The GPIO lines behind the channels of a board file.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use document::{Data, Entry, Fields, Findings, Node, suggest};
 use signal::Value;
 
-use super::bench::Bench;
-use super::real::channels;
-use super::{codes, generators, keys, number};
+use super::{Bench, DeviceReader, channels, codes, generators, keys, number};
 use crate::ChannelId;
 use crate::gpio::{
     Backend, Bias, ChipSpec, Direction, Drive, FindChip, FindLine, GpioSpec, LineSpec, MAX_CONSUMER,
     MAX_LINES, NamedLine,
 };
 
-/// What the kernel is told of a debounce time: microseconds in 32 bits.
+/// GPIO chips and lines.
+pub(super) const READER: DeviceReader = DeviceReader {
+    tables: &["chips"],
+    channel_keys: OF_LINE,
+    bus_kind: None,
+    read: |fields, bench, out| Some(Arc::new(gpio(fields, bench, out)?)),
+};
+
+/// Keys that only channels with a GPIO line have.
+pub(super) const OF_LINE: &[&str] =
+    &["chip", "line", "bias", "active-low", "debounce", "drive", "readback", "counts-up-to", "pulses-up-to"];
+
+/// The unit of the kernel's debounce times: microseconds in 32 bits.
 const MICROSECOND: i64 = 1_000;
 /// The fastest pulses whose levels last a nanosecond, in Hz.
 const FASTEST: f64 = 500e6;
 
 /// The GPIO lines of a file whose channels and bindings were read. `None` where something is wrong with them.
-pub(super) fn gpio(fields: &Fields, bench: &mut Bench, out: &mut Findings) -> Option<GpioSpec> {
+fn gpio(fields: &Fields, bench: &mut Bench, out: &mut Findings) -> Option<GpioSpec> {
     let board = fields.inner("board")?;
     let backend = match board.text("backend") {
         Some("v2") => Some(Backend::V2),

@@ -1,20 +1,27 @@
 //! The counters of a board file, and the channels behind which they count.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use document::{Data, Diagnostic, Entry, Fields, Findings, KeySpec, KeyType, Node, suggest};
 use signal::Span;
 
-use super::bench::Bench;
-use super::real::channels;
-use super::{codes, number};
+use super::{Bench, DeviceReader, channels, codes, number};
 use crate::ChannelId;
 use crate::circuit::TallySpec;
 use crate::counter::{CountSpec, CounterSpec, CountersSpec, EVENTS, FindCount, FindCounter};
 use crate::counting::{CountEdge, CountFunction};
 
+/// Counters.
+pub(super) const READER: DeviceReader = DeviceReader {
+    tables: &["counters"],
+    channel_keys: OF_COUNT,
+    bus_kind: None,
+    read: |fields, bench, out| Some(Arc::new(counters(fields, bench, out))),
+};
+
 /// What a counter makes of its signals.
-pub(super) const FUNCTION: KeyType = KeyType::Choice(&[
+pub(in crate::file) const FUNCTION: KeyType = KeyType::Choice(&[
     "increase",
     "decrease",
     "pulse-direction",
@@ -26,10 +33,10 @@ pub(super) const FUNCTION: KeyType = KeyType::Choice(&[
 ]);
 
 /// The edge that counts.
-pub(super) const EDGE: KeyType = KeyType::Choice(&["rising", "falling", "both"]);
+pub(in crate::file) const EDGE: KeyType = KeyType::Choice(&["rising", "falling", "both"]);
 
 /// The keys of a counter.
-pub(super) const KEYS: &[KeySpec] = &[
+pub(in crate::file) const KEYS: &[KeySpec] = &[
     KeySpec::optional("name", KeyType::Text, "What the kernel's driver calls it, as in \"ti-eqep\""),
     KeySpec::optional("path", KeyType::Text, "Its place in /dev or /sys, as in \"/dev/counter0\""),
     KeySpec::optional(
@@ -76,13 +83,13 @@ const PERIOD: Span = Span::from_millis(10);
 const BUFFER: u32 = 1_024;
 
 /// Keys that only counts have, of real boards and of simulated ones.
-pub(super) const OF_COUNT: &[&str] = &["counter"];
+const OF_COUNT: &[&str] = &["counter"];
 const OF_TALLY: &[&str] = &["of", "function", "edge"];
 /// Those of a channel that a count of a real board has.
 const KNOWN: &[&str] = &["kind", "counter", "drives", "senses", "of", "function", "edge"];
 
 /// The counters of a file whose channels were read. What is wrong with them is reported.
-pub(super) fn counters(fields: &Fields, bench: &mut Bench, out: &mut Findings) -> CountersSpec {
+fn counters(fields: &Fields, bench: &mut Bench, out: &mut Findings) -> CountersSpec {
     let mut spec = CountersSpec::default();
     let table = fields.get("counters").and_then(Node::as_table);
     // Of those that are wrong the names count all the same: each is reported once.
@@ -144,7 +151,7 @@ fn foreign(fields: &Fields, keys: &[&str], out: &mut Findings) {
 }
 
 /// The counts of a simulated board whose channels were read. What is wrong with them is reported.
-pub(super) fn tallies(fields: &Fields, bench: &mut Bench, out: &mut Findings) {
+pub(in crate::file) fn tallies(fields: &Fields, bench: &mut Bench, out: &mut Findings) {
     for (entry, fields) in channels(fields) {
         let Some(channel) = bench.file.find(&entry.key) else { continue };
         if fields.text("kind") != Some("count") {

@@ -1,18 +1,27 @@
 //! The generators of a board file, and the outputs behind its channels.
 
+use std::sync::Arc;
+
 use document::{Data, Diagnostic, Entry, Fields, Findings, Node, suggest};
 use signal::{Area, Span, Value};
 
-use super::bench::Bench;
-use super::real::{OF_LINE, channels};
-use super::{adc, codes, keys, number};
+use super::lines::OF_LINE;
+use super::{Bench, DeviceReader, adc, channels, codes, keys, number};
 use crate::ChannelId;
 use crate::generator::{
     BUFFER, BitClock, FindPwm, GeneratorKind, GeneratorSpec, GeneratorsSpec, OutputSpec, PwmSpec, StreamSpec,
 };
 
+/// Generators of pulses.
+pub(super) const READER: DeviceReader = DeviceReader {
+    tables: &["generators"],
+    channel_keys: OF_OUTPUT,
+    bus_kind: None,
+    read: |fields, bench, out| Some(Arc::new(generators(fields, bench, out))),
+};
+
 /// Keys that only channels behind a generator have.
-pub(super) const OF_OUTPUT: &[&str] = &["generator", "output"];
+const OF_OUTPUT: &[&str] = &["generator", "output"];
 
 /// The one key of a GPIO line that they have, too.
 const SHARED: &str = "active-low";
@@ -33,7 +42,7 @@ pub(super) fn is_generated(fields: &Fields) -> bool {
 }
 
 /// The generators of a file whose channels and bindings were read. What is wrong with them is reported.
-pub(super) fn generators(fields: &Fields, bench: &mut Bench, out: &mut Findings) -> GeneratorsSpec {
+fn generators(fields: &Fields, bench: &mut Bench, out: &mut Findings) -> GeneratorsSpec {
     let mut spec = GeneratorsSpec::default();
     let table = fields.get("generators").and_then(Node::as_table);
     // Of those that are wrong the names count all the same: each is reported once.

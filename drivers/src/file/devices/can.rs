@@ -1,11 +1,23 @@
 //! The CAN buses of a board file on this machine's interfaces.
 
+use std::sync::Arc;
+
 use document::{Entry, Fields, Findings, Node};
 use signal::Span;
 
-use super::codes;
+use super::{DeviceReader, buses, codes};
 use crate::BusId;
-use crate::can::{CanBusSpec, Filter};
+use crate::can::{CanBusSpec, CanSpec, Filter};
+
+/// CAN buses.
+pub(super) const READER: DeviceReader = DeviceReader {
+    tables: &[],
+    channel_keys: &[],
+    bus_kind: Some(KIND),
+    read: |fields, _, out| Some(Arc::new(CanSpec { buses: read(fields, out) })),
+};
+
+const KIND: &str = "can";
 
 /// The keys of a CAN bus on a real board.
 const KEYS: &[&str] = &[
@@ -27,8 +39,17 @@ const LONGEST: usize = 15;
 const MOST_FILTERS: usize = 512;
 const MILLISECOND: i64 = 1_000_000;
 
+/// The CAN buses of a file. What is wrong with them is reported.
+fn read(fields: &Fields, out: &mut Findings) -> Vec<CanBusSpec> {
+    let all = buses::of_kind(fields, KIND);
+    let read: Vec<CanBusSpec> =
+        all.filter_map(|(entry, fields, bus)| can(entry, &fields, bus, out)).collect();
+    twice(&read, out);
+    read
+}
+
 /// A CAN bus, `bus` its place among the buses. `None` where something is wrong with it.
-pub(super) fn can(entry: &Entry, fields: &Fields, bus: BusId, out: &mut Findings) -> Option<CanBusSpec> {
+fn can(entry: &Entry, fields: &Fields, bus: BusId, out: &mut Findings) -> Option<CanBusSpec> {
     let before = out.errors();
     for strange in fields.table().entries.iter().filter(|entry| !KEYS.contains(&entry.key.as_str())) {
         // A key that no bus has was reported where the table was read.
@@ -75,7 +96,7 @@ pub(super) fn can(entry: &Entry, fields: &Fields, bus: BusId, out: &mut Findings
 }
 
 /// Reports interfaces that carry two buses.
-pub(super) fn twice(buses: &[CanBusSpec], out: &mut Findings) {
+fn twice(buses: &[CanBusSpec], out: &mut Findings) {
     for (at, bus) in buses.iter().enumerate() {
         if let Some(first) = buses[..at].iter().find(|first| first.interface == bus.interface) {
             let message = format!("{} is the interface of `{}` already", bus.interface, first.name);

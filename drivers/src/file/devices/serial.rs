@@ -1,14 +1,25 @@
 //! The serial lines behind the buses of a board file.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use document::{Diagnostic, Entry, Fields, Findings};
 use host::Rs485;
 use signal::{Parity, SerialSettings, Span};
 
-use super::codes;
+use super::{DeviceReader, buses, codes};
 use crate::BusId;
-use crate::serial::{PortSpec, SerialSpec};
+use crate::serial::{PortSpec, SerialLinesSpec, SerialSpec};
+
+/// Serial lines.
+pub(super) const READER: DeviceReader = DeviceReader {
+    tables: &[],
+    channel_keys: &[],
+    bus_kind: Some(KIND),
+    read: |fields, _, out| Some(Arc::new(SerialLinesSpec { lines: read(fields, out) })),
+};
+
+const KIND: &str = "serial";
 
 /// The longest delay of a transceiver's direction that the kernel takes.
 const LONGEST_DELAY: Span = Span::from_millis(100);
@@ -31,8 +42,17 @@ const KEYS: &[&str] = &[
 /// The longest silence between two messages of a line.
 const LONGEST_GAP: Span = Span::from_secs(60);
 
+/// The serial lines of a file. What is wrong with them is reported.
+fn read(fields: &Fields, out: &mut Findings) -> Vec<SerialSpec> {
+    let all = buses::of_kind(fields, KIND);
+    let read: Vec<SerialSpec> =
+        all.filter_map(|(entry, fields, bus)| serial(entry, &fields, bus, out)).collect();
+    twice(&read, out);
+    read
+}
+
 /// A serial line, `bus` its place among the buses. `None` where something is wrong with it.
-pub(super) fn serial(entry: &Entry, fields: &Fields, bus: BusId, out: &mut Findings) -> Option<SerialSpec> {
+fn serial(entry: &Entry, fields: &Fields, bus: BusId, out: &mut Findings) -> Option<SerialSpec> {
     for strange in fields.table().entries.iter().filter(|entry| !KEYS.contains(&entry.key.as_str())) {
         // A key that no bus has was reported where the table was read.
         if fields.entry(&strange.key).is_some() {
@@ -59,7 +79,7 @@ pub(super) fn serial(entry: &Entry, fields: &Fields, bus: BusId, out: &mut Findi
 }
 
 /// How a line makes characters of bits; what the file leaves out is as in `default`.
-pub(super) fn settings(fields: &Fields, default: SerialSettings) -> SerialSettings {
+pub(in crate::file) fn settings(fields: &Fields, default: SerialSettings) -> SerialSettings {
     let number = |key, default: u32| {
         fields.integer(key).and_then(|number| u32::try_from(number).ok()).unwrap_or(default)
     };
@@ -77,7 +97,11 @@ pub(super) fn settings(fields: &Fields, default: SerialSettings) -> SerialSettin
 }
 
 /// The silence between two messages: that of Modbus RTU where the file says none.
-pub(super) fn message_gap(fields: &Fields, line: &SerialSettings, out: &mut Findings) -> Option<Span> {
+pub(in crate::file) fn message_gap(
+    fields: &Fields,
+    line: &SerialSettings,
+    out: &mut Findings,
+) -> Option<Span> {
     let Some(gap) = fields.duration("message-gap") else {
         return (!fields.has("message-gap")).then(|| line.frame_gap());
     };
@@ -128,7 +152,7 @@ fn rs485(fields: &Fields, out: &mut Findings) -> Option<Rs485> {
 }
 
 /// A port carries one bus. Paths that lead to one port show when the port is there.
-pub(super) fn twice(lines: &[SerialSpec], out: &mut Findings) {
+fn twice(lines: &[SerialSpec], out: &mut Findings) {
     for (at, line) in lines.iter().enumerate() {
         let Some(first) = lines[..at].iter().find(|first| first.port.path == line.port.path) else {
             continue;
