@@ -24,6 +24,9 @@ pub trait DeviceHandle: Debug + Send {
     /// What messages call it.
     fn device(&self) -> &str;
 
+    /// What it is, in a word for clients.
+    fn kind(&self) -> &'static str;
+
     /// Its channels, by the places of its inputs or outputs.
     fn channels(&self) -> Vec<ChannelId>;
 
@@ -266,6 +269,11 @@ impl<H: DeviceHandle> Descriptions for DeviceBoard<H> {
         Some(self.devices[device].device())
     }
 
+    fn device_kind(&self, channel: ChannelId) -> Option<&'static str> {
+        let (device, _) = self.behind(channel).ok()?;
+        Some(self.devices[device].kind())
+    }
+
     fn noise(&self, channel: ChannelId) -> Option<f64> {
         let (device, place) = self.behind(channel).ok()?;
         self.devices[device].noise(place)
@@ -294,6 +302,10 @@ mod tests {
 
         fn device(&self) -> &str {
             "silent"
+        }
+
+        fn kind(&self) -> &'static str {
+            "test"
         }
 
         fn channels(&self) -> Vec<ChannelId> {

@@ -35,6 +35,7 @@ impl Bench {
         let (board, at) = board(&file(unresponsive_after, reconnect), [&stream, &chip]);
         let mut bench = Bench { board, at, stream, chip, events: Vec::new() };
         bench.start().unwrap();
+        assert_eq!([S, P0].map(|channel| bench.board.device_kind(channel)), [Some("spi"), Some("pwm")]);
         bench
     }
 

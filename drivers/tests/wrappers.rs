@@ -234,6 +234,10 @@ impl Descriptions for Capable {
         Some("chip")
     }
 
+    fn device_kind(&self, _channel: ChannelId) -> Option<&'static str> {
+        Some("gpio")
+    }
+
     fn noise(&self, _channel: ChannelId) -> Option<f64> {
         Some(0.5)
     }
@@ -244,6 +248,7 @@ fn hides_nothing(mut board: impl Board) {
     let channel = id(0);
     board.start(at(0)).unwrap();
     assert_eq!((board.device(channel), board.noise(channel)), (Some("chip"), Some(0.5)));
+    assert_eq!(board.device_kind(channel), Some("gpio"));
     assert_eq!(board.output_claims().unwrap().len(), 1);
     let square = Emission::Square { period: ns(10), high: ns(5) };
     assert_eq!(board.emit(at(1), channel, &square), Ok(()));

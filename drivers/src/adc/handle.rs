@@ -32,6 +32,8 @@ pub struct AdcHandle {
     channels: Vec<ChannelId>,
     /// What messages call it.
     device: String,
+    /// How it is reached.
+    kind: &'static str,
     /// What each input showed last; `None` before its first reading.
     shown: Vec<Option<Shown>>,
     thread: DeviceThread,
@@ -56,7 +58,7 @@ impl AdcHandle {
         });
         let (reporter, mut thread, reports) =
             ends(REPORTS.max(samples.len() * 4), &context.bell, limits.unresponsive_after);
-        let of = converter.device().to_owned();
+        let (of, kind) = (converter.device().to_owned(), converter.kind());
         let name = format!("adc {of}");
         let apart = longest(period, converter.spread());
         let device = Device {
@@ -80,6 +82,7 @@ impl AdcHandle {
             reports,
             channels: samples.iter().map(|sample| sample.channel).collect(),
             device: of,
+            kind,
             shown: vec![None; samples.len()],
             thread,
         })
@@ -122,6 +125,10 @@ impl DeviceHandle for AdcHandle {
 
     fn device(&self) -> &str {
         &self.device
+    }
+
+    fn kind(&self) -> &'static str {
+        self.kind
     }
 
     fn channels(&self) -> Vec<ChannelId> {

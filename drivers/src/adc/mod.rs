@@ -72,6 +72,9 @@ pub trait Adc: Send + Debug {
     /// What it is, as messages name it.
     fn device(&self) -> &str;
 
+    /// How it is reached, in a word for clients: `spi`, `iio`.
+    fn kind(&self) -> &'static str;
+
     /// How its readings come.
     fn pace(&self) -> Pace<'_>;
 

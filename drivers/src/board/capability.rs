@@ -88,6 +88,9 @@ pub trait Descriptions: fmt::Debug {
     /// The device behind a channel in words, as in `/dev/gpiochip0 (pinctrl-bcm2711)`. `None` where there is none.
     fn device(&self, channel: ChannelId) -> Option<&str>;
 
+    /// What that device is, in a word for clients: `gpio`, `spi`, `iio`, `counter`, `pwm`.
+    fn device_kind(&self, channel: ChannelId) -> Option<&'static str>;
+
     /// How noisy an analog channel was when it was read last: the standard deviation of its samples, in its unit. `None`
     /// where a reading is one sample.
     fn noise(&self, channel: ChannelId) -> Option<f64>;

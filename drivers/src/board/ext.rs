@@ -104,6 +104,11 @@ pub trait BoardExt: Board {
         self.descriptions()?.device(channel)
     }
 
+    /// As [`Descriptions::device_kind`](super::Descriptions::device_kind).
+    fn device_kind(&self, channel: ChannelId) -> Option<&'static str> {
+        self.descriptions()?.device_kind(channel)
+    }
+
     /// As [`Descriptions::noise`](super::Descriptions::noise).
     fn noise(&self, channel: ChannelId) -> Option<f64> {
         self.descriptions()?.noise(channel)

@@ -112,6 +112,10 @@ impl DeviceHandle for CounterHandle {
         &self.device
     }
 
+    fn kind(&self) -> &'static str {
+        "counter"
+    }
+
     fn channels(&self) -> Vec<ChannelId> {
         vec![self.channel]
     }

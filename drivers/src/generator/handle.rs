@@ -48,6 +48,8 @@ pub struct GeneratorHandle {
     outputs: Vec<Known>,
     /// What messages call it.
     device: String,
+    /// What it is, in a word.
+    kind: &'static str,
     /// The number of the last order.
     number: u64,
     /// Pulses that were ordered and not reported yet, by the numbers of their orders.
@@ -98,6 +100,7 @@ impl GeneratorHandle {
             reports,
             outputs: known.collect(),
             device: of,
+            kind: kind.word(),
             number: 0,
             waiting: VecDeque::with_capacity(ORDERS),
             sent: VecDeque::with_capacity(ORDERS),
@@ -199,6 +202,10 @@ impl DeviceHandle for GeneratorHandle {
 
     fn device(&self) -> &str {
         &self.device
+    }
+
+    fn kind(&self) -> &'static str {
+        self.kind
     }
 
     fn channels(&self) -> Vec<ChannelId> {

@@ -45,6 +45,14 @@ pub enum GeneratorKind {
 }
 
 impl GeneratorKind {
+    /// What it is, in a word for clients.
+    pub const fn word(&self) -> &'static str {
+        match self {
+            GeneratorKind::Stream(_) => "spi",
+            GeneratorKind::Pwm(_) => "pwm",
+        }
+    }
+
     /// What one of its outputs can emit.
     pub fn emits(&self) -> PulseCapability {
         match self {

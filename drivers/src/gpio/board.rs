@@ -320,6 +320,10 @@ impl Descriptions for GpioBoard {
         self.chips.iter().find(serves).map(|chip| chip.device.as_str())
     }
 
+    fn device_kind(&self, channel: ChannelId) -> Option<&'static str> {
+        self.device(channel).map(|_| "gpio")
+    }
+
     fn noise(&self, _channel: ChannelId) -> Option<f64> {
         None
     }

@@ -191,6 +191,11 @@ impl Descriptions for RealBoard {
         self.parts[usize::from(part)].device(channel)
     }
 
+    fn device_kind(&self, channel: ChannelId) -> Option<&'static str> {
+        let part = self.behind.get(usize::from(channel.0)).copied().flatten()?;
+        self.parts[usize::from(part)].device_kind(channel)
+    }
+
     fn noise(&self, channel: ChannelId) -> Option<f64> {
         let part = self.behind.get(usize::from(channel.0)).copied().flatten()?;
         self.parts[usize::from(part)].noise(channel)

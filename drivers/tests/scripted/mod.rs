@@ -61,6 +61,10 @@ impl Adc for Scripted {
         "scripted"
     }
 
+    fn kind(&self) -> &'static str {
+        "spi"
+    }
+
     fn pace(&self) -> Pace<'_> {
         Pace::Asked(self.period)
     }

@@ -56,6 +56,10 @@ impl Adc for Asked {
         &self.device
     }
 
+    fn kind(&self) -> &'static str {
+        "iio"
+    }
+
     fn pace(&self) -> Pace<'_> {
         Pace::Asked(self.period)
     }

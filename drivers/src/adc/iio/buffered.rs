@@ -169,6 +169,10 @@ impl Adc for Buffered {
         &self.device
     }
 
+    fn kind(&self) -> &'static str {
+        "iio"
+    }
+
     fn pace(&self) -> Pace<'_> {
         Pace::Ready(self.node.as_fd(), self.period)
     }

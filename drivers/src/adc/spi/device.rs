@@ -193,6 +193,10 @@ impl Adc for SpiAdc {
         &self.name
     }
 
+    fn kind(&self) -> &'static str {
+        "spi"
+    }
+
     fn pace(&self) -> Pace<'_> {
         Pace::Asked(self.period)
     }

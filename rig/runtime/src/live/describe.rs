@@ -1,4 +1,4 @@
-//! What a rig tells of itself once: its points, tasks, functions, buses and devices.
+//! What a rig reports of itself once: its points, tasks, functions, buses and devices.
 
 use crate::catalogue::Catalogue;
 use control::{
@@ -13,7 +13,7 @@ use signal::{Address, Area, CanFrame, SerialErrors, SerialMessage, Time};
 /// The devices behind a board's channels and buses, each once.
 #[derive(Debug)]
 pub struct Devices {
-    /// As they are told.
+    /// As clients get them.
     pub list: Vec<DeviceInfo>,
     /// The device behind each channel.
     pub of_channels: Vec<Option<usize>>,
@@ -25,37 +25,29 @@ impl Devices {
     /// Those of a board.
     pub fn of(board: &dyn Board) -> Devices {
         let mut list: Vec<DeviceInfo> = Vec::new();
-        let mut place = |name: Option<&str>| {
+        let mut place = |name: Option<&str>, kind: &str| {
             let name = name?;
             if let Some(known) = list.iter().position(|known| known.name == name) {
                 return Some(known);
             }
             let path = name.split(' ').next().filter(|path| path.starts_with('/')).unwrap_or_default();
-            list.push(DeviceInfo { name: name.to_owned(), kind: kind_of(name), path: path.to_owned() });
+            list.push(DeviceInfo { name: name.to_owned(), kind: kind.to_owned(), path: path.to_owned() });
             Some(list.len() - 1)
         };
         let channels = 0..board.channels().len() as u16;
-        let of_channels = channels.map(|channel| place(board.device(ChannelId(channel)))).collect();
-        let buses = 0..board.bus_list().len() as u16;
-        let of_buses = buses.map(|bus| place(board.bus_device(BusId(bus)))).collect();
+        let of_channel =
+            |channel| place(board.device(channel), board.device_kind(channel).unwrap_or("other"));
+        let of_channels = channels.map(ChannelId).map(of_channel).collect();
+        let of_bus = |(number, bus): (u16, &drivers::Bus)| {
+            let kind = match bus.kind {
+                BusKind::Can { .. } => "can",
+                BusKind::Serial { .. } => "serial",
+            };
+            place(board.bus_device(BusId(number)), kind)
+        };
+        let of_buses = (0..).zip(board.bus_list()).map(of_bus).collect();
         Devices { list, of_channels, of_buses }
     }
-}
-
-/// The kind of a device by what its driver calls it.
-fn kind_of(name: &str) -> String {
-    const KINDS: [(&str, &str); 8] = [
-        ("gpiochip", "gpio"),
-        ("spidev", "spi"),
-        ("iio:", "iio"),
-        ("counter", "counter"),
-        ("pwm", "pwm"),
-        ("tty", "serial"),
-        ("pts/", "serial"),
-        ("can", "can"),
-    ];
-    let kind = KINDS.iter().find(|(part, _)| name.contains(part));
-    kind.map_or_else(|| String::from("other"), |(_, kind)| (*kind).to_owned())
 }
 
 /// The terminals of the controller, then the lines of the board that have none.
