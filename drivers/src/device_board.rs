@@ -1,7 +1,9 @@
 //! The board of devices of one kind, each of which has a thread of its own: converters, counters, generators.
 
-use std::fmt::Debug;
+use std::fmt::{self, Debug};
+use std::ops::Range;
 
+use document::Diagnostic;
 use host::HostInstant;
 use rustix::io::Errno;
 use signal::{Time, Value};
@@ -13,6 +15,7 @@ use crate::device_limits::DeviceLimits;
 use crate::event::{BoardEvent, Health};
 use crate::event_collector::EventCollector;
 use crate::output_claim::OutputClaim;
+use crate::refusal::Refusal;
 use crate::run_state::{RunState, START, drives_none};
 
 /// The board's end of a device: its thread reports, this end takes the reports in. Nothing waits for the device but where it
@@ -95,6 +98,42 @@ pub trait DeviceHandle: Debug + Send {
         let _ = (place, emission);
         Ok(())
     }
+}
+
+/// How a device is opened again when it was gone; it is called on the device's thread.
+pub struct Reopen<D: ?Sized>(Box<dyn FnMut() -> Option<Box<D>> + Send>);
+
+impl<D: ?Sized> Reopen<D> {
+    /// By this call: `None` where the device is not there.
+    pub fn new(open: impl FnMut() -> Option<Box<D>> + Send + 'static) -> Reopen<D> {
+        Reopen(Box::new(open))
+    }
+
+    /// The device, if it is there again.
+    pub(crate) fn open(&mut self) -> Option<Box<D>> {
+        (self.0)()
+    }
+}
+
+impl<D: ?Sized> Debug for Reopen<D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Reopen")
+    }
+}
+
+/// All of these devices, each opened at its place in a file, or what is wrong with those that cannot be had.
+pub(crate) fn all_opened<T>(
+    file: &str,
+    devices: impl Iterator<Item = (Range<usize>, Result<T, Refusal>)>,
+) -> Result<Vec<T>, Vec<Diagnostic>> {
+    let (mut all, mut found) = (Vec::new(), Vec::new());
+    for (place, opened) in devices {
+        match opened {
+            Ok(device) => all.push(device),
+            Err(refusal) => found.push(refusal.finding(file, place)),
+        }
+    }
+    if found.is_empty() { Ok(all) } else { Err(found) }
 }
 
 /// Devices of one kind as a board. Each has a thread of its own; no call of the board waits for one but its start and, where

@@ -32,6 +32,7 @@ pub mod real;
 mod realtime;
 mod refusal;
 mod run_state;
+mod sampled;
 pub mod serial;
 pub mod sim;
 mod thread;
@@ -46,6 +47,7 @@ pub use channel::{
 pub use channel_table::ChannelTable;
 pub use circuit::BusSpec;
 pub use context::{BoardContext, OutputGuard};
+pub use device_board::Reopen;
 pub use device_limits::DeviceLimits;
 pub use event::{BoardEvent, Health, LossReason, Origin};
 pub use file::{

@@ -227,6 +227,26 @@ impl DeviceThread {
         self.presence.unreported.store(0, Ordering::Release);
     }
 
+    /// Waits until the thread has answered a start, which `answered` sees. FALSE where it has not by then, or the device is gone
+    /// and is not opened again.
+    pub(crate) fn await_start(
+        &mut self,
+        due: HostInstant,
+        reconnect: bool,
+        mut answered: impl FnMut() -> bool,
+    ) -> bool {
+        loop {
+            if answered() {
+                self.begin();
+                return true;
+            }
+            if self.is_gone() && !reconnect || HostInstant::now() >= due {
+                return false;
+            }
+            self.wait(due);
+        }
+    }
+
     /// Waits until the thread answers something, at most until then.
     pub(crate) fn wait(&self, until: HostInstant) {
         self.presence.answer.wait_until(until);

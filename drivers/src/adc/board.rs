@@ -9,7 +9,7 @@ use crate::channel::{Channel, FaultSet, TimestampSource};
 use crate::channel_table::ChannelTable;
 use crate::codes;
 use crate::context::BoardContext;
-use crate::device_board::DeviceBoard;
+use crate::device_board::{DeviceBoard, Reopen, all_opened};
 use crate::device_limits::DeviceLimits;
 use crate::refusal::Refusal;
 use crate::thread::not_started;
@@ -61,21 +61,16 @@ pub fn open(converter: &AdcSpec, inputs: &[SampleSpec]) -> Result<Box<dyn Adc>, 
 }
 
 /// A converter with the inputs that it was opened for, and how it is opened again.
-pub struct Source {
+#[derive(Debug)]
+pub struct AdcSource {
     /// The converter.
     pub converter: Box<dyn Adc>,
     /// Its inputs, in the order of its readings.
     pub inputs: Vec<SampleSpec>,
     /// Time between two readings of an input.
     pub period: Span,
-    /// Opens it again when it was gone; is called on the device's thread.
-    pub again: Box<dyn FnMut() -> Option<Box<dyn Adc>> + Send>,
-}
-
-impl std::fmt::Debug for Source {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Source").field("converter", &self.converter).field("inputs", &self.inputs).finish()
-    }
+    /// How it is opened again.
+    pub reopen: Reopen<dyn Adc>,
 }
 
 /// Converters as a board: its channels sense and never drive.
@@ -92,25 +87,15 @@ impl AdcBoard {
         limits: DeviceLimits,
         context: &BoardContext,
     ) -> Result<AdcBoard, Vec<Diagnostic>> {
-        let (mut sources, mut found) = (Vec::new(), Vec::new());
-        for (at, converter) in spec.converters.iter().enumerate() {
-            let inputs = spec.inputs_of(at);
-            // A converter that no channel uses may be missing.
-            if inputs.is_empty() {
-                continue;
-            }
-            match open(converter, &inputs) {
-                Ok(opened) => {
-                    let (of, at) = (converter.clone(), inputs.clone());
-                    let again = Box::new(move || open(&of, &at).ok());
-                    sources.push(Source { converter: opened, inputs, period: converter.period, again });
-                }
-                Err(refusal) => found.push(refusal.finding(&table.file, converter.place.clone())),
-            }
-        }
-        if !found.is_empty() {
-            return Err(found);
-        }
+        let source = |(spec, inputs): (&AdcSpec, Vec<SampleSpec>)| {
+            let source = open(spec, &inputs).map(|converter| {
+                let (of, at) = (spec.clone(), inputs.clone());
+                let reopen = Reopen::new(move || open(&of, &at).ok());
+                AdcSource { converter, inputs, period: spec.period, reopen }
+            });
+            (spec.place.clone(), source)
+        };
+        let sources = all_opened(&table.file, spec.used().map(source))?;
         AdcBoard::on(table, spec, limits, context, sources)
             .map_err(|error| not_started(&table.file, "the thread of a converter", &error))
     }
@@ -124,14 +109,11 @@ impl AdcBoard {
         spec: &AdcsSpec,
         limits: DeviceLimits,
         context: &BoardContext,
-        sources: Vec<Source>,
+        sources: Vec<AdcSource>,
     ) -> std::io::Result<AdcBoard> {
         let mut channels = table.blank();
         describe(table, spec, &mut channels);
-        let start = |source: Source| {
-            let Source { converter, inputs, period, again } = source;
-            AdcHandle::start(converter, again, &inputs, period, limits, context)
-        };
+        let start = |source: AdcSource| AdcHandle::start(source, limits, context);
         let devices = sources.into_iter().map(start).collect::<Result<_, _>>()?;
         Ok(DeviceBoard::new(channels, limits, context, devices, Vec::new()))
     }

@@ -14,12 +14,6 @@ use crate::device_limits::DeviceLimits;
 use crate::real::{DeviceSpec, Look, Used};
 use crate::refusal::Refusal;
 
-/// The converters of a board with their inputs. One that no channel uses may be missing: it is left alone.
-fn used(spec: &AdcsSpec) -> impl Iterator<Item = (&AdcSpec, Vec<SampleSpec>)> {
-    let all = spec.converters.iter().enumerate();
-    all.map(|(at, converter)| (converter, spec.inputs_of(at))).filter(|(_, inputs)| !inputs.is_empty())
-}
-
 impl DeviceSpec for AdcsSpec {
     fn is_used(&self) -> bool {
         !self.samples.is_empty()
@@ -34,7 +28,7 @@ impl DeviceSpec for AdcsSpec {
     }
 
     fn probe(&self, table: &ChannelTable, look: &mut Look) {
-        for (converter, inputs) in used(self) {
+        for (converter, inputs) in self.used() {
             match inputs_of(converter, &inputs) {
                 Ok(words) => {
                     let words = inputs.iter().zip(words).map(|(sample, words)| (sample.channel, Some(words)));
@@ -56,7 +50,7 @@ impl DeviceSpec for AdcsSpec {
                 iio::find(Path::new("/"), spec).ok().map(|device| Used::whole(device.number))
             }
         };
-        used(self).filter_map(device).collect()
+        self.used().filter_map(device).collect()
     }
 
     fn open(

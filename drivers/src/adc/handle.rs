@@ -1,17 +1,17 @@
 //! One converter as the board follows it: what its inputs showed last, whether it still answers.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 
-use host::{AtomicInstant, HostInstant};
+use host::HostInstant;
 use rtrb::Consumer;
 use rustix::event::{EventfdFlags, eventfd};
 use rustix::io::Errno;
-use signal::{Span, Time, Value, When};
+use signal::{Time, Value, When};
 
-use super::device::{Device, Known, Opener, Report, Shared};
+use super::device::{Device, Known, Report, Shared};
 use super::spec::longest;
-use super::{AT_ONCE, Adc, SampleSpec, Shown};
+use super::{AT_ONCE, AdcSource, Shown};
 use crate::board::BoardError;
 use crate::channel::ChannelId;
 use crate::context::BoardContext;
@@ -19,6 +19,7 @@ use crate::device_board::DeviceHandle;
 use crate::device_limits::DeviceLimits;
 use crate::event::{BoardEvent, Origin};
 use crate::event_collector::EventCollector;
+use crate::sampled::{SampleControl, Sampler};
 use crate::thread::{DeviceThread, ends};
 
 /// Reports on their way from a device, at least.
@@ -27,6 +28,7 @@ const REPORTS: usize = 1_024;
 /// A converter at work. Dropping it ends its thread.
 #[derive(Debug)]
 pub struct AdcHandle {
+    control: Arc<SampleControl>,
     shared: Arc<Shared>,
     reports: Consumer<Report>,
     channels: Vec<ChannelId>,
@@ -42,17 +44,13 @@ pub struct AdcHandle {
 impl AdcHandle {
     /// Sets a converter to work.
     pub(super) fn start(
-        converter: Box<dyn Adc>,
-        opener: Opener,
-        samples: &[SampleSpec],
-        period: Span,
+        source: AdcSource,
         limits: DeviceLimits,
         context: &BoardContext,
     ) -> std::io::Result<AdcHandle> {
+        let AdcSource { converter, inputs: samples, period, reopen } = source;
+        let control = Arc::<SampleControl>::default();
         let shared = Arc::new(Shared {
-            active: AtomicBool::new(false),
-            starts: AtomicU64::new(0),
-            owes: AtomicInstant::none(),
             noise: samples.iter().map(|_| AtomicU64::new(f64::NAN.to_bits())).collect(),
             wake: eventfd(0, EventfdFlags::CLOEXEC | EventfdFlags::NONBLOCK)?,
         });
@@ -64,20 +62,15 @@ impl AdcHandle {
         let device = Device {
             found: Vec::with_capacity(samples.len() * AT_ONCE),
             inputs: samples.iter().map(|sample| Known::new(sample.scale.clone())).collect(),
-            converter: Some(converter),
-            opener,
+            sampler: Sampler::new(converter, reopen, control.clone(), reporter, limits.reconnect),
             shared: shared.clone(),
-            reporter,
             apart,
-            reconnect: limits.reconnect,
-            started: 0,
-            complete: true,
-            due: HostInstant::BOOT,
             lost: 0,
         };
         let realtime = context.realtime;
         thread.start(name, move || device.run(realtime))?;
         Ok(AdcHandle {
+            control,
             shared,
             reports,
             channels: samples.iter().map(|sample| sample.channel).collect(),
@@ -88,9 +81,9 @@ impl AdcHandle {
         })
     }
 
-    /// Until when an answer is owed.
+    /// Until when an answer is due.
     fn due(&self) -> Option<HostInstant> {
-        Some(self.shared.owes.get()? + self.thread.limit())
+        self.control.due(self.thread.limit())
     }
 
     fn report(&mut self, report: Report, collector: &mut EventCollector<'_>) {
@@ -136,34 +129,28 @@ impl DeviceHandle for AdcHandle {
     }
 
     fn ask_start(&mut self) -> u64 {
-        let start = self.shared.starts.fetch_add(1, Ordering::AcqRel) + 1;
-        self.shared.active.store(true, Ordering::Release);
+        let start = self.control.ask_start();
         self.shared.wake();
         start
     }
 
     /// It has when every input was read.
     fn await_start(&mut self, request: u64, due: HostInstant, reconnect: bool) -> bool {
-        loop {
-            while let Ok(report) = self.reports.pop() {
+        let (reports, known) = (&mut self.reports, &mut self.shown);
+        self.thread.await_start(due, reconnect, || {
+            while let Ok(report) = reports.pop() {
                 match report {
                     Report::Sample { input, shown, .. } => {
-                        if let Some(last) = self.shown.get_mut(usize::from(input)) {
+                        if let Some(last) = known.get_mut(usize::from(input)) {
                             *last = Some(shown);
                         }
                     }
-                    Report::Started { start: done } if done == request => {
-                        self.thread.begin();
-                        return true;
-                    }
+                    Report::Started { start: done } if done == request => return true,
                     _ => {}
                 }
             }
-            if self.thread.is_gone() && !reconnect || HostInstant::now() >= due {
-                return false;
-            }
-            self.thread.wait(due);
-        }
+            false
+        })
     }
 
     fn loss(&self) -> BoardError {
@@ -195,7 +182,7 @@ impl DeviceHandle for AdcHandle {
 
     /// Nothing is driven: it rests until the next start.
     fn ask_safe(&mut self) -> u64 {
-        self.shared.active.store(false, Ordering::Release);
+        self.control.ask_rest();
         self.shared.wake();
         0
     }

@@ -16,7 +16,7 @@ mod spec;
 pub mod spi;
 
 pub use accuracy::{Accuracy, Noise, Resolution};
-pub use board::{AdcBoard, Source, describe, open};
+pub use board::{AdcBoard, AdcSource, describe, open};
 pub use calibrated::Calibrated;
 pub(crate) use calibrated::calibrated;
 pub use certificate::{Certificate, today};
@@ -65,6 +65,13 @@ pub enum Pace<'a> {
     Asked(Span),
     /// By themselves, about so often, when this descriptor can be read.
     Ready(BorrowedFd<'a>, Span),
+}
+
+impl Pace<'_> {
+    /// Whether readings come by themselves.
+    pub const fn comes_by_itself(&self) -> bool {
+        matches!(self, Pace::Ready(..))
+    }
 }
 
 /// A converter that was opened for some of its inputs.

@@ -15,6 +15,12 @@ pub struct AdcsSpec {
 }
 
 impl AdcsSpec {
+    /// The converters that channels use, with their inputs. One that no channel uses may be missing: it is left alone.
+    pub fn used(&self) -> impl Iterator<Item = (&AdcSpec, Vec<SampleSpec>)> {
+        let all = self.converters.iter().enumerate().map(|(at, converter)| (converter, self.inputs_of(at)));
+        all.filter(|(_, inputs)| !inputs.is_empty())
+    }
+
     /// The inputs of a converter, by its place.
     pub fn inputs_of(&self, converter: usize) -> Vec<SampleSpec> {
         self.samples.iter().filter(|sample| sample.converter == converter).cloned().collect()

@@ -5,14 +5,14 @@ use std::path::Path;
 use document::Diagnostic;
 use signal::{Span, Value};
 
-use super::device::Opener;
 use super::handle::CounterHandle;
-use super::{Counter, CountersSpec, KernelCounter};
+use super::{CountSpec, Counter, CounterSpec, CountersSpec, KernelCounter};
 use crate::channel::{Channel, ChannelId, FaultSet, TimestampSource};
 use crate::channel_table::ChannelTable;
 use crate::context::BoardContext;
-use crate::device_board::DeviceBoard;
+use crate::device_board::{DeviceBoard, Reopen, all_opened};
 use crate::device_limits::DeviceLimits;
+use crate::refusal::Refusal;
 use crate::thread::not_started;
 
 /// Describes the channels behind which counters count.
@@ -54,20 +54,19 @@ pub fn describe(
     }
 }
 
+fn open(counter: &CounterSpec) -> Result<Box<dyn Counter>, Refusal> {
+    Ok(Box::new(KernelCounter::open(Path::new("/"), counter)?))
+}
+
 /// A counter with the channel that it was opened for, and how it is opened again.
-pub struct Source {
+#[derive(Debug)]
+pub struct CounterSource {
     /// The counter.
     pub counter: Box<dyn Counter>,
     /// Its channel.
     pub channel: ChannelId,
-    /// Opens it again when it was gone; is called on the device's thread.
-    pub again: Opener,
-}
-
-impl std::fmt::Debug for Source {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Source").field("counter", &self.counter).field("channel", &self.channel).finish()
-    }
+    /// How it is opened again.
+    pub reopen: Reopen<dyn Counter>,
 }
 
 /// Counters as a board: its channels say how far they have counted since the start.
@@ -84,24 +83,15 @@ impl CounterBoard {
         limits: DeviceLimits,
         context: &BoardContext,
     ) -> Result<CounterBoard, Vec<Diagnostic>> {
-        let (mut sources, mut found) = (Vec::new(), Vec::new());
-        for count in &spec.counts {
-            let Some(counter) = spec.counters.get(count.counter) else { continue };
-            match KernelCounter::open(Path::new("/"), counter) {
-                Ok(opened) => {
-                    let of = counter.clone();
-                    let again = move || -> Option<Box<dyn Counter>> {
-                        Some(Box::new(KernelCounter::open(Path::new("/"), &of).ok()?))
-                    };
-                    let (counter, channel) = (Box::new(opened), count.channel);
-                    sources.push(Source { counter, channel, again: Box::new(again) });
-                }
-                Err(refusal) => found.push(refusal.finding(&table.file, counter.place.clone())),
-            }
-        }
-        if !found.is_empty() {
-            return Err(found);
-        }
+        let source = |(count, spec): (&CountSpec, &CounterSpec)| {
+            let source = open(spec).map(|counter| {
+                let of = spec.clone();
+                let reopen = Reopen::new(move || open(&of).ok());
+                CounterSource { counter, channel: count.channel, reopen }
+            });
+            (spec.place.clone(), source)
+        };
+        let sources = all_opened(&table.file, spec.used().map(source))?;
         CounterBoard::on(table, spec, limits, context, sources)
             .map_err(|error| not_started(&table.file, "the thread of a counter", &error))
     }
@@ -115,7 +105,7 @@ impl CounterBoard {
         spec: &CountersSpec,
         limits: DeviceLimits,
         context: &BoardContext,
-        sources: Vec<Source>,
+        sources: Vec<CounterSource>,
     ) -> std::io::Result<CounterBoard> {
         let mut channels = table.blank();
         describe(table, spec, limits.unresponsive_after, context.resolution, &mut channels);

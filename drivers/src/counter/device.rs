@@ -1,16 +1,12 @@
 //! The thread that reads a counter: the only one whose calls may last.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use host::{AtomicInstant, Bell, CounterEvent, HostInstant, Realtime, Role};
+use host::{Bell, CounterEvent, HostInstant, Realtime, Role};
 use signal::Span;
 
 use super::{Counter, Follower, Step};
-use crate::thread::Reporter;
-
-/// How a counter is opened again when it was gone.
-pub(super) type Opener = Box<dyn FnMut() -> Option<Box<dyn Counter>> + Send>;
+use crate::sampled::{SampleTurn, Sampler};
 
 /// What the device found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,25 +21,11 @@ pub(super) enum Report {
     Returned { at: HostInstant },
 }
 
-/// What board and thread share.
-#[derive(Debug, Default)]
-pub(super) struct Shared {
-    /// A run goes on: the count is to be read.
-    pub(super) active: AtomicBool,
-    /// Number of starts asked for.
-    pub(super) starts: AtomicU64,
-    /// Since when an answer is owed.
-    pub(super) owes: AtomicInstant,
-    /// Wakes the thread.
-    pub(super) wake: Bell,
-}
-
 /// The thread's side of a counter.
 pub(super) struct Device {
-    pub(super) counter: Option<Box<dyn Counter>>,
-    pub(super) opener: Opener,
-    pub(super) shared: Arc<Shared>,
-    pub(super) reporter: Reporter<Report>,
+    pub(super) sampler: Sampler<dyn Counter, Report>,
+    /// Wakes the thread.
+    pub(super) wake: Arc<Bell>,
     pub(super) follower: Follower,
     /// How far it had counted when it was lost last.
     pub(super) before: i64,
@@ -55,15 +37,8 @@ pub(super) struct Device {
     pub(super) steps: Vec<Step>,
     /// Time between two readings.
     pub(super) period: Span,
-    /// A device that was gone is opened again.
-    pub(super) reconnect: bool,
-    pub(super) started: u64,
-    /// Whether the start has been answered.
-    pub(super) complete: bool,
     /// It is open again, and was not read since.
     pub(super) returning: bool,
-    /// When the next reading is due.
-    pub(super) due: HostInstant,
 }
 
 impl Device {
@@ -71,109 +46,82 @@ impl Device {
     pub(super) fn run(mut self, realtime: Realtime) {
         // A refusal is reported once for all threads, by whoever set up the run.
         let _ = realtime.enter(Role::Devices);
-        while !self.reporter.is_stopped() {
+        while !self.sampler.reporter.is_stopped() {
             let until = self.turn();
-            self.reporter.ring();
-            self.shared.wake.wait_until(until);
+            self.sampler.reporter.ring();
+            self.wake.wait_until(until);
         }
-        drop(self.counter.take());
-        self.reporter.end();
+        drop(self.sampler.device.take());
+        self.sampler.reporter.end();
     }
 
-    /// One look at what is asked, and at most one reading. Says until when there is nothing to do.
+    /// One look at what is asked, and at most one reading. Returns until when there is nothing to do.
     fn turn(&mut self) -> HostInstant {
-        let starts = self.shared.starts.load(Ordering::Acquire);
-        if starts != self.started {
-            self.begin(starts);
-        }
-        if !self.shared.active.load(Ordering::Acquire) {
-            self.shared.owes.clear();
-            return HostInstant::NEVER;
+        if self.sampler.starts() {
+            self.begin();
         }
         let now = HostInstant::now();
-        if now >= self.due {
-            match self.counter.is_some() {
-                true => self.look(now),
-                false => self.look_again(now),
-            }
+        let turn = self.sampler.turn(now);
+        match turn {
+            SampleTurn::Read => self.look(now),
+            SampleTurn::Reopen => self.reopen(now),
+            SampleTurn::Wait | SampleTurn::Rest => {}
         }
-        self.due
+        self.sampler.waits_until(turn)
     }
 
     /// A new run: it counts from 0.
-    fn begin(&mut self, start: u64) {
-        (self.started, self.complete) = (start, false);
-        self.reporter.works();
+    fn begin(&mut self) {
         (self.before, self.total) = (0, 0);
         self.follower.begin();
-        let now = HostInstant::now();
-        self.due = now;
-        self.shared.owes.set(now);
-        if let Some(Err(error)) = self.counter.as_mut().map(|counter| counter.begin()) {
-            self.refused(&error);
+        self.sampler.control.waits_since.set(HostInstant::now());
+        let begun = self.sampler.device.as_mut().map(|counter| counter.begin());
+        self.sampler.control.waits_since.clear();
+        if let Some(Err(error)) = begun {
+            self.sampler.refused(&error);
         }
-        self.shared.owes.clear();
     }
 
     fn look(&mut self, now: HostInstant) {
-        self.shared.owes.set(now);
         self.events.clear();
-        let Some(counter) = &mut self.counter else { return };
+        let Some(counter) = &mut self.sampler.device else { return };
+        self.sampler.control.waits_since.set(now);
         let answer = counter.read().and_then(|reading| Ok((reading, counter.events(&mut self.events)?)));
-        self.shared.owes.clear();
-        // As often as asked for on the whole; what was slept through is not made up for.
-        let after = HostInstant::now();
-        self.due += self.period;
-        if self.due <= after {
-            self.due = after + self.period;
-        }
+        self.sampler.control.waits_since.clear();
+        self.sampler.was_read(self.period, HostInstant::now());
         let (reading, whole) = match answer {
             Ok(answer) => answer,
-            Err(error) => return self.refused(&error),
+            Err(error) => return self.sampler.refused(&error),
         };
-        self.reporter.works();
+        self.sampler.reporter.works();
         let steps = &mut self.steps;
         self.follower.take(reading, &self.events, &mut |step| steps.push(step));
         for at in 0..self.steps.len() {
             let step = self.steps[at];
             self.total = self.before.saturating_add(step.total);
-            self.reporter.report(Report::Counted(Step { total: self.total, ..step }));
+            self.sampler.reporter.report(Report::Counted(Step { total: self.total, ..step }));
         }
         self.steps.clear();
         // Not before it was read: what it counts from the instant of its return on is counted.
         if self.returning && self.follower.since().is_some() {
             self.returning = false;
-            self.reporter.returned(Report::Returned { at: HostInstant::now() });
+            self.sampler.reporter.returned(Report::Returned { at: HostInstant::now() });
         }
         if !whole {
-            self.reporter.report(Report::Missed { at: reading.after });
+            self.sampler.reporter.report(Report::Missed { at: reading.after });
         }
-        if !self.complete && self.follower.since().is_some() {
-            self.complete = true;
-            self.reporter.insist(Report::Started { start: self.started });
-        }
-    }
-
-    fn refused(&mut self, error: &std::io::Error) {
-        if self.reporter.refused(error) {
-            self.counter = None;
-            self.due = HostInstant::now() + self.reporter.limit();
+        if self.follower.since().is_some() {
+            self.sampler.answer_start(|start| Report::Started { start });
         }
     }
 
     /// Whether a device that was gone is there again.
-    fn look_again(&mut self, now: HostInstant) {
-        self.due = if self.reconnect { now + self.reporter.limit() } else { HostInstant::NEVER };
-        if !self.reconnect {
-            return;
-        }
-        self.counter = (self.opener)();
-        if self.counter.is_some() {
+    fn reopen(&mut self, now: HostInstant) {
+        if self.sampler.reopen(now) {
             // What it counted meanwhile, and from where it counts now, nobody knows.
             self.before = self.total;
             self.follower.begin();
             self.returning = true;
-            self.due = HostInstant::now();
         }
     }
 }

@@ -14,12 +14,6 @@ use crate::context::BoardContext;
 use crate::device_limits::DeviceLimits;
 use crate::real::{DeviceSpec, Look, Used};
 
-/// The counts of a board with their counters.
-fn used(spec: &CountersSpec) -> impl Iterator<Item = (&CountSpec, &CounterSpec)> {
-    let counter = |count: &CountSpec| spec.counters.get(count.counter);
-    spec.counts.iter().filter_map(move |count| Some((count, counter(count)?)))
-}
-
 impl DeviceSpec for CountersSpec {
     fn is_used(&self) -> bool {
         !self.counts.is_empty()
@@ -34,7 +28,7 @@ impl DeviceSpec for CountersSpec {
     }
 
     fn probe(&self, table: &ChannelTable, look: &mut Look) {
-        for (count, counter) in used(self) {
+        for (count, counter) in self.used() {
             let words = match super::look(Path::new("/"), counter) {
                 Ok((device, hardware)) => {
                     let function = counter.function.map_or(&*hardware.function, |function| function.kernel());
@@ -57,7 +51,7 @@ impl DeviceSpec for CountersSpec {
             let lines = (!whole).then(|| vec![u32::from(count.number)]);
             Some(Used { device: device.number, lines })
         };
-        used(self).filter_map(device).collect()
+        self.used().filter_map(device).collect()
     }
 
     fn open(

@@ -1,15 +1,14 @@
 //! One counter as the board follows it: how far it has counted, whether it still answers.
 
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 
-use host::HostInstant;
+use host::{Bell, HostInstant};
 use rtrb::Consumer;
 use rustix::io::Errno;
 use signal::{Time, Value, When};
 
-use super::device::{Device, Report, Shared};
-use super::{CounterSpec, Follower, Source, Step};
+use super::device::{Device, Report};
+use super::{CounterSource, CounterSpec, Follower, Step};
 use crate::board::BoardError;
 use crate::channel::ChannelId;
 use crate::context::BoardContext;
@@ -17,6 +16,7 @@ use crate::device_board::DeviceHandle;
 use crate::device_limits::DeviceLimits;
 use crate::event::{BoardEvent, Origin};
 use crate::event_collector::EventCollector;
+use crate::sampled::{SampleControl, Sampler};
 use crate::thread::{DeviceThread, ends};
 
 /// Reports on their way from a device, beside those of its events.
@@ -25,7 +25,9 @@ const REPORTS: usize = 1_024;
 /// A counter at work. Dropping it ends its thread.
 #[derive(Debug)]
 pub struct CounterHandle {
-    shared: Arc<Shared>,
+    control: Arc<SampleControl>,
+    /// Wakes the thread.
+    wake: Arc<Bell>,
     reports: Consumer<Report>,
     channel: ChannelId,
     /// What messages call it.
@@ -38,12 +40,12 @@ pub struct CounterHandle {
 impl CounterHandle {
     /// Sets a counter to work.
     pub(super) fn start(
-        source: Source,
+        source: CounterSource,
         spec: &CounterSpec,
         limits: DeviceLimits,
         context: &BoardContext,
     ) -> std::io::Result<CounterHandle> {
-        let shared = Arc::new(Shared::default());
+        let (control, wake) = (Arc::<SampleControl>::default(), Arc::<Bell>::default());
         let kept = spec.buffer as usize;
         let (reporter, mut thread, reports) =
             ends(REPORTS + 4 * kept, &context.bell, limits.unresponsive_after);
@@ -51,29 +53,23 @@ impl CounterHandle {
         let apart = spec.longest(limits.unresponsive_after);
         let device = Device {
             follower: Follower::new(spec, source.counter.ceiling(), apart, context.resolution),
-            counter: Some(source.counter),
-            opener: source.again,
-            shared: shared.clone(),
-            reporter,
+            sampler: Sampler::new(source.counter, source.reopen, control.clone(), reporter, limits.reconnect),
+            wake: wake.clone(),
             before: 0,
             total: 0,
             events: Vec::with_capacity(2 * kept),
             steps: Vec::with_capacity(2 * kept + 1),
             period: spec.period,
-            reconnect: limits.reconnect,
-            started: 0,
-            complete: true,
             returning: false,
-            due: HostInstant::BOOT,
         };
         let realtime = context.realtime;
         thread.start(format!("count {of}"), move || device.run(realtime))?;
-        Ok(CounterHandle { shared, reports, channel: source.channel, device: of, count: 0, thread })
+        Ok(CounterHandle { control, wake, reports, channel: source.channel, device: of, count: 0, thread })
     }
 
-    /// Until when an answer is owed.
+    /// Until when an answer is due.
     fn due(&self) -> Option<HostInstant> {
-        Some(self.shared.owes.get()? + self.thread.limit())
+        self.control.due(self.thread.limit())
     }
 
     /// How far it has counted, since this instant.
@@ -121,27 +117,22 @@ impl DeviceHandle for CounterHandle {
     }
 
     fn ask_start(&mut self) -> u64 {
-        let start = self.shared.starts.fetch_add(1, Ordering::AcqRel) + 1;
-        self.shared.active.store(true, Ordering::Release);
-        self.shared.wake.ring();
+        let start = self.control.ask_start();
+        self.wake.ring();
         start
     }
 
     /// It has when the count was read.
     fn await_start(&mut self, request: u64, due: HostInstant, reconnect: bool) -> bool {
-        loop {
-            while let Ok(report) = self.reports.pop() {
-                if report == (Report::Started { start: request }) {
-                    self.count = 0;
-                    self.thread.begin();
-                    return true;
-                }
-            }
-            if self.thread.is_gone() && !reconnect || HostInstant::now() >= due {
-                return false;
-            }
-            self.thread.wait(due);
+        let reports = &mut self.reports;
+        let answer = Report::Started { start: request };
+        let has_started = self.thread.await_start(due, reconnect, || {
+            std::iter::from_fn(|| reports.pop().ok()).any(|one| one == answer)
+        });
+        if has_started {
+            self.count = 0;
         }
+        has_started
     }
 
     fn loss(&self) -> BoardError {
@@ -170,8 +161,8 @@ impl DeviceHandle for CounterHandle {
 
     /// Nothing is driven: it goes on by itself, and nobody looks until the next start.
     fn ask_safe(&mut self) -> u64 {
-        self.shared.active.store(false, Ordering::Release);
-        self.shared.wake.ring();
+        self.control.ask_rest();
+        self.wake.ring();
         0
     }
 
@@ -190,8 +181,8 @@ impl DeviceHandle for CounterHandle {
 
 impl Drop for CounterHandle {
     fn drop(&mut self) {
-        let shared = &self.shared;
-        self.thread.end(|| shared.wake.ring(), || None);
+        let wake = &self.wake;
+        self.thread.end(|| wake.ring(), || None);
     }
 }
 

@@ -15,7 +15,7 @@ mod handle;
 mod kernel;
 mod spec;
 
-pub use board::{CounterBoard, Source, describe};
+pub use board::{CounterBoard, CounterSource, describe};
 pub use find::{CounterDevice, HardwareCount, find, list, look, named};
 pub use follow::{Follower, Reading, Step, Way};
 pub use kernel::{KernelCounter, shown};

@@ -19,6 +19,13 @@ pub struct CountersSpec {
     pub counts: Vec<CountSpec>,
 }
 
+impl CountersSpec {
+    /// The channels with their counters.
+    pub fn used(&self) -> impl Iterator<Item = (&CountSpec, &CounterSpec)> {
+        self.counts.iter().filter_map(|count| Some((count, self.counters.get(count.counter)?)))
+    }
+}
+
 /// The channel behind which a counter counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CountSpec {

@@ -3,7 +3,6 @@
 use document::Diagnostic;
 use signal::{Span, Value};
 
-use super::device::Opener;
 use super::handle::GeneratorHandle;
 use super::spec::{GeneratorKind, GeneratorSpec, GeneratorsSpec, OutputSpec};
 use super::stream::Stream;
@@ -12,7 +11,7 @@ use crate::channel::{Channel, ChannelId, FaultSet, TimestampSource};
 use crate::channel_table::ChannelTable;
 use crate::codes;
 use crate::context::BoardContext;
-use crate::device_board::DeviceBoard;
+use crate::device_board::{DeviceBoard, Reopen, all_opened};
 use crate::device_limits::DeviceLimits;
 use crate::refusal::Refusal;
 use crate::thread::not_started;
@@ -81,21 +80,16 @@ pub fn look(generator: &GeneratorSpec, outputs: &[OutputSpec]) -> Result<Vec<Str
 }
 
 /// A generator with the outputs that it was opened for, and how it is opened again.
-pub struct Source {
+#[derive(Debug)]
+pub struct GeneratorSource {
     /// The generator.
     pub generator: Box<dyn Generator>,
     /// What it is.
     pub kind: GeneratorKind,
     /// Its outputs, in the order of their numbers.
     pub outputs: Vec<OutputSpec>,
-    /// Opens it again when it was gone; is called on the device's thread.
-    pub again: Opener,
-}
-
-impl std::fmt::Debug for Source {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Source").field("generator", &self.generator).field("outputs", &self.outputs).finish()
-    }
+    /// How it is opened again.
+    pub reopen: Reopen<dyn Generator>,
 }
 
 /// Generators as a board: its channels keep levels and emit pulses.
@@ -112,24 +106,14 @@ impl GeneratorBoard {
         limits: DeviceLimits,
         context: &BoardContext,
     ) -> Result<GeneratorBoard, Vec<Diagnostic>> {
-        let (mut sources, mut found) = (Vec::new(), Vec::new());
-        for (at, generator) in spec.generators.iter().enumerate() {
-            let outputs = spec.outputs_of(at);
-            // A generator that no channel uses may be missing.
-            if outputs.is_empty() {
-                continue;
-            }
-            match open(generator, &outputs) {
-                Ok(opened) => {
-                    let again = again(generator.clone(), outputs.clone(), context.clone(), opened.device());
-                    sources.push(Source { generator: opened, kind: generator.kind.clone(), outputs, again });
-                }
-                Err(refusal) => found.push(refusal.finding(&table.file, generator.place.clone())),
-            }
-        }
-        if !found.is_empty() {
-            return Err(found);
-        }
+        let source = |(spec, outputs): (&GeneratorSpec, Vec<OutputSpec>)| {
+            let source = open(spec, &outputs).map(|generator| {
+                let reopen = reopen(spec.clone(), outputs.clone(), context.clone(), generator.device());
+                GeneratorSource { generator, kind: spec.kind.clone(), outputs, reopen }
+            });
+            (spec.place.clone(), source)
+        };
+        let sources = all_opened(&table.file, spec.used().map(source))?;
         GeneratorBoard::on(table, spec, limits, context, sources)
             .map_err(|error| not_started(&table.file, "the thread of a generator", &error))
     }
@@ -143,7 +127,7 @@ impl GeneratorBoard {
         spec: &GeneratorsSpec,
         limits: DeviceLimits,
         context: &BoardContext,
-        sources: Vec<Source>,
+        sources: Vec<GeneratorSource>,
     ) -> std::io::Result<GeneratorBoard> {
         let mut channels = table.blank();
         describe(table, spec, &mut channels);
@@ -158,9 +142,14 @@ impl GeneratorBoard {
 }
 
 /// How a generator is opened when it is there again: guarded as before, then handed over.
-fn again(generator: GeneratorSpec, outputs: Vec<OutputSpec>, at: BoardContext, device: &str) -> Opener {
+fn reopen(
+    generator: GeneratorSpec,
+    outputs: Vec<OutputSpec>,
+    at: BoardContext,
+    device: &str,
+) -> Reopen<dyn Generator> {
     let device = device.to_owned();
-    Box::new(move || {
+    Reopen::new(move || {
         let opened = open(&generator, &outputs).ok()?;
         let claims = opened.output_claims().ok()?;
         // A board without a guard has nobody to ask, and not everything needs one.

@@ -9,10 +9,8 @@ use rtrb::Consumer;
 use signal::Span;
 
 use super::{Generator, Sent};
+use crate::device_board::Reopen;
 use crate::thread::Reporter;
-
-/// How a generator is opened again when it was gone, guarded as before.
-pub(super) type Opener = Box<dyn FnMut() -> Option<Box<dyn Generator>> + Send>;
 
 /// What is asked of an output.
 #[derive(Clone, Debug)]
@@ -72,7 +70,8 @@ impl Shared {
 /// The thread's side of a generator.
 pub(super) struct Device {
     pub(super) generator: Option<Box<dyn Generator>>,
-    pub(super) opener: Opener,
+    /// Opens it guarded as before.
+    pub(super) reopen: Reopen<dyn Generator>,
     pub(super) shared: Arc<Shared>,
     pub(super) asked: Consumer<Asked>,
     /// Its limit is beside what a call emits, and for how long the device may go without being looked at.
@@ -182,7 +181,7 @@ impl Device {
         }
         // Opening it brings it to rest.
         let rests = self.shared.rests.load(Ordering::Acquire);
-        self.generator = (self.opener)();
+        self.generator = self.reopen.open();
         if self.generator.is_some() {
             self.rested = rests;
             self.shared.rested.store(rests, Ordering::Release);

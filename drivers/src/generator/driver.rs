@@ -13,12 +13,6 @@ use crate::context::BoardContext;
 use crate::device_limits::DeviceLimits;
 use crate::real::{DeviceSpec, Look, Used};
 
-/// The generators of a board with their outputs. One that no channel uses may be missing: it is left alone.
-fn used(spec: &GeneratorsSpec) -> impl Iterator<Item = (&GeneratorSpec, Vec<OutputSpec>)> {
-    let all = spec.generators.iter().enumerate();
-    all.map(|(at, generator)| (generator, spec.outputs_of(at))).filter(|(_, outputs)| !outputs.is_empty())
-}
-
 impl DeviceSpec for GeneratorsSpec {
     fn is_used(&self) -> bool {
         !self.outputs.is_empty()
@@ -33,7 +27,7 @@ impl DeviceSpec for GeneratorsSpec {
     }
 
     fn probe(&self, table: &ChannelTable, look: &mut Look) {
-        for (generator, outputs) in used(self) {
+        for (generator, outputs) in self.used() {
             match super::look(generator, &outputs) {
                 Ok(words) => {
                     let words =
@@ -56,7 +50,7 @@ impl DeviceSpec for GeneratorsSpec {
                 lines: Some(outputs.iter().map(|output| u32::from(output.output)).collect()),
             }),
         };
-        used(self).filter_map(device).collect()
+        self.used().filter_map(device).collect()
     }
 
     fn open(

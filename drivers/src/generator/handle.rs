@@ -10,7 +10,7 @@ use rustix::io::Errno;
 use signal::{Span, Time, Value, When};
 
 use super::bits::{BitClock, Layout};
-use super::board::Source;
+use super::board::GeneratorSource;
 use super::device::{Asked, Device, Order, Report, Shared};
 use super::sent_edges::{AT_ONCE, Stream};
 use super::spec::GeneratorKind;
@@ -62,19 +62,19 @@ pub struct GeneratorHandle {
 impl GeneratorHandle {
     /// Sets a generator to work.
     pub(super) fn start(
-        source: Source,
+        source: GeneratorSource,
         senses: impl Fn(ChannelId) -> bool,
         limits: DeviceLimits,
         context: &BoardContext,
     ) -> std::io::Result<GeneratorHandle> {
-        let Source { generator, kind, outputs, again } = source;
+        let GeneratorSource { generator, kind, outputs, reopen } = source;
         let shared = Arc::<Shared>::default();
         let (orders, asked) = rtrb::RingBuffer::new(ORDERS);
         let (reporter, mut thread, reports) = ends(ORDERS, &context.bell, limits.unresponsive_after);
         let of = generator.device().to_owned();
         let device = Device {
             generator: Some(generator),
-            opener: again,
+            reopen,
             shared: shared.clone(),
             asked,
             reporter,

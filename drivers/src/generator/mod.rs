@@ -15,7 +15,7 @@ mod spec;
 mod stream;
 
 pub use bits::{BitClock, Layout};
-pub use board::{GeneratorBoard, Source, describe, look, open};
+pub use board::{GeneratorBoard, GeneratorSource, describe, look, open};
 pub use pwm::{Attribute, Attributes, FoundPwm, Pwm, PwmOutput, find};
 pub use spec::{FindPwm, GeneratorKind, GeneratorSpec, GeneratorsSpec, OutputSpec, PwmSpec, StreamSpec};
 pub use stream::{BUFFER, Stream};

@@ -18,6 +18,12 @@ pub struct GeneratorsSpec {
 }
 
 impl GeneratorsSpec {
+    /// The generators that channels use, with their outputs. One that no channel uses may be missing: it is left alone.
+    pub fn used(&self) -> impl Iterator<Item = (&GeneratorSpec, Vec<OutputSpec>)> {
+        let all = self.generators.iter().enumerate().map(|(at, generator)| (generator, self.outputs_of(at)));
+        all.filter(|(_, outputs)| !outputs.is_empty())
+    }
+
     /// The outputs of a generator, by its place.
     pub fn outputs_of(&self, generator: usize) -> Vec<OutputSpec> {
         self.outputs.iter().filter(|output| output.generator == generator).cloned().collect()

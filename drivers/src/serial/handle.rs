@@ -103,19 +103,19 @@ impl SerialHandle {
 
     /// Waits until the run has begun. FALSE where it has not by then, or the port is gone and is not opened again.
     pub(super) fn await_start(&mut self, request: u64, due: HostInstant, reconnect: bool) -> bool {
-        while self.shared.heard.load(Ordering::Acquire) < request {
-            if self.thread.is_gone() && !reconnect || HostInstant::now() >= due {
-                return false;
+        let (shared, reports, run) = (&self.shared, &mut self.reports, self.run);
+        let has_started = self.thread.await_start(due, reconnect, || {
+            let heard = shared.heard.load(Ordering::Acquire) >= request;
+            // What was before makes room.
+            while heard && reports.peek().is_ok_and(|report| report.run != run) {
+                let _ = reports.pop();
             }
-            self.thread.wait(due);
+            heard
+        });
+        if has_started {
+            (self.ahead, self.dropped) = (None, 0);
         }
-        // What was before makes room.
-        while self.reports.peek().is_ok_and(|report| report.run != self.run) {
-            let _ = self.reports.pop();
-        }
-        (self.ahead, self.dropped) = (None, 0);
-        self.thread.begin();
-        true
+        has_started
     }
 
     /// What a start says that could not begin, and a send on a line that is lost.

@@ -10,8 +10,8 @@ use std::time::Duration;
 
 use document::SourceFile;
 use host::{HostInstant, Realtime};
-use scanrig_drivers::generator::{Generator, GeneratorBoard, GeneratorsSpec, Sent, Source};
-use scanrig_drivers::{BoardContext, BoardFile, BoardKind, OutputClaim, Terminals, read};
+use scanrig_drivers::generator::{Generator, GeneratorBoard, GeneratorSource, GeneratorsSpec, Sent};
+use scanrig_drivers::{BoardContext, BoardFile, BoardKind, OutputClaim, Reopen, Terminals, read};
 use signal::Span;
 
 /// What was asked of a generator.
@@ -150,11 +150,11 @@ pub fn board(file: &BoardFile, scripts: [&Arc<Script>; 2]) -> (GeneratorBoard, B
         let of = script.clone();
         let scripted = move || -> Box<dyn Generator> { Box::new(Scripted(of.clone())) };
         let (first, script) = (scripted.clone(), script.clone());
-        Source {
+        GeneratorSource {
             generator: first(),
             kind: generators.generators[place].kind.clone(),
             outputs: generators.outputs_of(place),
-            again: Box::new(move || script.there.load(Ordering::Acquire).then(&scripted)),
+            reopen: Reopen::new(move || script.there.load(Ordering::Acquire).then(&scripted)),
         }
     };
     let sources = scripts.into_iter().enumerate().map(source).collect();

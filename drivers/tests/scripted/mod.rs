@@ -9,9 +9,9 @@ use std::sync::{Arc, Condvar, Mutex};
 
 use document::SourceFile;
 use host::{HostInstant, Realtime};
-use scanrig_drivers::adc::{Adc, AdcBoard, AdcsSpec, InRange, Pace, Reading, Source};
+use scanrig_drivers::adc::{Adc, AdcBoard, AdcSource, AdcsSpec, InRange, Pace, Reading};
 use scanrig_drivers::real::RealSpec;
-use scanrig_drivers::{BoardContext, BoardFile, BoardKind, Terminals, read};
+use scanrig_drivers::{BoardContext, BoardFile, BoardKind, Reopen, Terminals, read};
 use signal::Span;
 
 /// Inputs of the converter.
@@ -127,10 +127,10 @@ pub fn board(file: &BoardFile, script: &Arc<Script>) -> (AdcBoard, BoardContext)
         let script = script.clone();
         move || -> Box<dyn Adc> { Box::new(Scripted { script: script.clone(), period }) }
     };
-    let again = {
+    let reopen = {
         let (script, scripted) = (script.clone(), scripted.clone());
-        Box::new(move || script.there.load(Ordering::Acquire).then(&scripted))
+        Reopen::new(move || script.there.load(Ordering::Acquire).then(&scripted))
     };
-    let source = Source { converter: scripted(), inputs: adcs.samples.clone(), period, again };
+    let source = AdcSource { converter: scripted(), inputs: adcs.samples.clone(), period, reopen };
     (AdcBoard::on(&file.channel_table(), adcs, spec.limits, &at, vec![source]).unwrap(), at)
 }

@@ -9,8 +9,8 @@ use std::sync::{Arc, Condvar, Mutex};
 
 use document::SourceFile;
 use host::{CounterEvent, HostInstant, Realtime};
-use scanrig_drivers::counter::{Counter, CounterBoard, CountersSpec, Reading, Source};
-use scanrig_drivers::{BoardContext, BoardFile, BoardKind, Terminals, read};
+use scanrig_drivers::counter::{Counter, CounterBoard, CounterSource, CountersSpec, Reading};
+use scanrig_drivers::{BoardContext, BoardFile, BoardKind, Reopen, Terminals, read};
 
 /// What the counter is to do.
 #[derive(Debug, Default)]
@@ -92,16 +92,16 @@ pub fn board(file: &BoardFile, script: &Arc<Script>) -> (CounterBoard, BoardCont
     let BoardKind::Real(spec) = &file.kind else { panic!("{:?}", file.kind) };
     let counters = spec.of::<CountersSpec>().unwrap();
     let at = BoardContext::new(Realtime::default());
-    let again = {
+    let reopen = {
         let script = script.clone();
         move || -> Option<Box<dyn Counter>> {
             script.there.load(Ordering::Acquire).then(|| Box::new(Scripted(script.clone())) as _)
         }
     };
-    let source = Source {
+    let source = CounterSource {
         counter: Box::new(Scripted(script.clone())),
         channel: counters.counts[0].channel,
-        again: Box::new(again),
+        reopen: Reopen::new(reopen),
     };
     (CounterBoard::on(&file.channel_table(), counters, spec.limits, &at, vec![source]).unwrap(), at)
 }
