@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use fake::LINES;
 use host::HostInstant;
 use rustix::time::{ClockId, clock_gettime};
-use scanrig_drivers::gpio::{Backend, Edge, Levels, Port, Served};
+use scanrig_drivers::gpio::{Backend, Edge, GpioPort, LineLevels, Served};
 use scanrig_drivers::{Board, BoardContext, BoardEvent, BoardExt, ChannelId, GpioBoard, OutputClaim};
 use signal::{Span, Time, Value};
 
@@ -29,7 +29,7 @@ struct Stub {
     bits: AtomicU64,
 }
 
-impl Port for Stub {
+impl GpioPort for Stub {
     fn backend(&self) -> Backend {
         Backend::V2
     }
@@ -39,11 +39,11 @@ impl Port for Stub {
         Ok(())
     }
 
-    fn get(&self) -> io::Result<Levels> {
-        Ok(Levels { bits: self.bits.load(Ordering::Relaxed), known: (1 << LINES) - 1 })
+    fn get(&self) -> io::Result<LineLevels> {
+        Ok(LineLevels { bits: self.bits.load(Ordering::Relaxed), known: (1 << LINES) - 1 })
     }
 
-    fn survey(&self) -> io::Result<Levels> {
+    fn survey(&self) -> io::Result<LineLevels> {
         self.get()
     }
 

@@ -189,7 +189,7 @@ pub struct Circuit {
 
 /// Which part of a circuit is meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum CircuitPart {
     /// The channel of this place.
     Channel(usize),
     /// The wire of this place.
@@ -251,7 +251,7 @@ pub enum CircuitFault {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CircuitError {
     /// Where.
-    pub part: Part,
+    pub part: CircuitPart,
     /// What.
     pub fault: CircuitFault,
 }
@@ -285,10 +285,12 @@ impl fmt::Display for CircuitFault {
 impl fmt::Display for CircuitError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.part {
-            Part::Channel(n) => write!(f, "channel {n}: {}", self.fault),
-            Part::Wire(n) => write!(f, "wire {n}: {}", self.fault),
-            Part::Plant(n) => write!(f, "plant {n}: {}", self.fault),
-            Part::Switch { plant, switch } => write!(f, "plant {plant}, switch {switch}: {}", self.fault),
+            CircuitPart::Channel(n) => write!(f, "channel {n}: {}", self.fault),
+            CircuitPart::Wire(n) => write!(f, "wire {n}: {}", self.fault),
+            CircuitPart::Plant(n) => write!(f, "plant {n}: {}", self.fault),
+            CircuitPart::Switch { plant, switch } => {
+                write!(f, "plant {plant}, switch {switch}: {}", self.fault)
+            }
         }
     }
 }
@@ -303,12 +305,12 @@ impl Circuit {
     pub fn check(&self) -> Vec<CircuitError> {
         let mut errors = Vec::new();
         if self.channels.len().max(self.wires.len()).max(self.plants.len()) > MAX_PARTS {
-            return vec![CircuitError { part: Part::Channel(0), fault: CircuitFault::TooMany }];
+            return vec![CircuitError { part: CircuitPart::Channel(0), fault: CircuitFault::TooMany }];
         }
         self.check_channels(&mut errors);
         for (place, wire) in self.wires.iter().enumerate() {
             if let Err(fault) = self.check_wire(wire) {
-                errors.push(CircuitError { part: Part::Wire(place), fault });
+                errors.push(CircuitError { part: CircuitPart::Wire(place), fault });
             }
         }
         for (place, PlantSpec::Lag(lag)) in self.plants.iter().enumerate() {
@@ -316,13 +318,13 @@ impl Circuit {
         }
         for tally in &self.tallies {
             if let Err(fault) = self.check_tally(tally) {
-                errors.push(CircuitError { part: Part::Channel(usize::from(tally.channel.0)), fault });
+                errors.push(CircuitError { part: CircuitPart::Channel(usize::from(tally.channel.0)), fault });
             }
         }
         if errors.is_empty() {
             self.check_sources(&mut errors);
             if let Err(wire) = self.order() {
-                errors.push(CircuitError { part: Part::Wire(wire), fault: CircuitFault::Loop });
+                errors.push(CircuitError { part: CircuitPart::Wire(wire), fault: CircuitFault::Loop });
             }
         }
         errors
@@ -341,11 +343,14 @@ impl Circuit {
         twins.sort_unstable();
         for (place, first) in twins {
             let fault = CircuitFault::DuplicateName { first };
-            errors.push(CircuitError { part: Part::Channel(place), fault });
+            errors.push(CircuitError { part: CircuitPart::Channel(place), fault });
         }
         for (place, channel) in self.channels.iter().enumerate() {
             if fit(&channel.kind, channel.safe).is_none() {
-                errors.push(CircuitError { part: Part::Channel(place), fault: CircuitFault::BadSafeValue });
+                errors.push(CircuitError {
+                    part: CircuitPart::Channel(place),
+                    fault: CircuitFault::BadSafeValue,
+                });
             }
         }
     }
@@ -395,11 +400,11 @@ impl Circuit {
 
     fn check_lag(&self, plant: usize, lag: &LagSpec, errors: &mut Vec<CircuitError>) {
         if let Err(fault) = self.check_lag_body(lag) {
-            errors.push(CircuitError { part: Part::Plant(plant), fault });
+            errors.push(CircuitError { part: CircuitPart::Plant(plant), fault });
         }
         for (switch, spec) in lag.switches.iter().enumerate() {
             if let Err(fault) = self.check_switch(spec) {
-                errors.push(CircuitError { part: Part::Switch { plant, switch }, fault });
+                errors.push(CircuitError { part: CircuitPart::Switch { plant, switch }, fault });
             }
         }
     }
@@ -442,12 +447,12 @@ impl Circuit {
     /// Levels that meet on a line have a winner; values that meet do not.
     fn check_sources(&self, errors: &mut Vec<CircuitError>) {
         let mut driven = vec![false; self.channels.len()];
-        let wires = self.wires.iter().enumerate().map(|(place, wire)| (Part::Wire(place), wire.to));
+        let wires = self.wires.iter().enumerate().map(|(place, wire)| (CircuitPart::Wire(place), wire.to));
         let plants = self
             .plants
             .iter()
             .enumerate()
-            .map(|(place, PlantSpec::Lag(lag))| (Part::Plant(place), lag.output));
+            .map(|(place, PlantSpec::Lag(lag))| (CircuitPart::Plant(place), lag.output));
         for (part, to) in wires.chain(plants) {
             if self.digital(to) == Ok(false) && std::mem::replace(&mut driven[usize::from(to.0)], true) {
                 errors.push(CircuitError { part, fault: CircuitFault::TwoSources(to) });

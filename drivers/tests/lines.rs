@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use proptest::prelude::*;
-use scanrig_drivers::circuit::{Bounce, ChannelSpec, CircuitFault, Part, Pull, Spacing, WireSpec};
+use scanrig_drivers::circuit::{Bounce, ChannelSpec, CircuitFault, CircuitPart, Pull, Spacing, WireSpec};
 use scanrig_drivers::{Board, BoardError, BoardEvent, BoardExt, Fault, FaultKind, Origin, SimulatedBoard};
 use signal::{Time, Value};
 
@@ -126,11 +126,11 @@ fn rings_without_delay_are_refused_and_named() {
     circuit.wires = vec![wire(0, 1, 0), wire(1, 2, 0), wire(2, 1, 0), wire(2, 3, 0)];
     let error = SimulatedBoard::new(&circuit, 0).unwrap_err();
     assert_eq!(error.fault, CircuitFault::Loop);
-    assert!(matches!(error.part, Part::Wire(1 | 2)), "{error}");
+    assert!(matches!(error.part, CircuitPart::Wire(1 | 2)), "{error}");
     circuit.wires[2].delay = ns(1);
     assert!(SimulatedBoard::new(&circuit, 0).is_ok());
     circuit.wires.push(wire(3, 3, 0));
-    assert_eq!(SimulatedBoard::new(&circuit, 0).unwrap_err().part, Part::Wire(4));
+    assert_eq!(SimulatedBoard::new(&circuit, 0).unwrap_err().part, CircuitPart::Wire(4));
 }
 
 #[test]

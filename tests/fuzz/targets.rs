@@ -6,9 +6,9 @@ mod lines_of_clients;
 use capture::{Capture, CaptureFormat};
 use document::{Diagnostic, SourceFile, render};
 use drivers::adc::iio::{Element, Sampled, Scans};
-use drivers::adc::spi::{Chosen, FRAME, Input, PARTS, Sweep};
+use drivers::adc::spi::{Chosen, FRAME, PARTS, SpiInput, Sweep};
 use drivers::can::{Datagram, Filter, Reported};
-use drivers::counter::{CounterSpec, FindCount, FindCounter, Follower, Reading};
+use drivers::counter::{CounterReading, CounterSpec, FindCount, FindCounter, Follower};
 use drivers::counting::CountFunction as Counting;
 use drivers::serial::{Marks, MessageAssembler, MessageTiming, Received, Symbol};
 use expert::{
@@ -404,7 +404,7 @@ pub fn spi(data: &[u8]) {
     let numbers = (0..part.inputs()).filter(|number| inputs >> number & 1 == 1);
     let chosen: Vec<Chosen> = numbers
         .map(|number| {
-            let input = Input::Single(number);
+            let input = SpiInput::Single(number);
             let spans = part.spans(input, reference);
             Chosen { input, span: spans[usize::from(*inputs) % spans.len()] }
         })
@@ -459,7 +459,7 @@ pub fn counter(data: &[u8]) {
         let stamp =
             HostInstant::from_nanos(i64::from_ne_bytes(record.first_chunk().copied().unwrap_or_default()));
         let value = u64::from(record[8]);
-        let reading = Reading { before: stamp - Span::from_nanos(100), after: stamp, value };
+        let reading = CounterReading { before: stamp - Span::from_nanos(100), after: stamp, value };
         follower.take(reading, event.as_slice(), &mut |step| {
             assert!(step.from <= step.to, "{step:?}");
             told += 1;

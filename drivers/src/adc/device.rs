@@ -8,12 +8,12 @@ use host::{HostInstant, Realtime, Role};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use signal::Span;
 
-use super::{Adc, Pace, Reading, Resolution, Scale, Shown};
+use super::{Adc, AdcPace, AdcReading, Resolution, Scale, Shown};
 use crate::sampled::{SampleTurn, Sampler};
 
 /// What the device found.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Report {
+pub(super) enum AdcReport {
     /// An input shows another quantity, or one that is not known: it came between these stamps.
     Sample { input: u16, from: HostInstant, to: HostInstant, shown: Shown },
     /// So many readings of an input were lost, or came too late for what the channel promises.
@@ -26,7 +26,7 @@ pub(super) enum Report {
 
 /// What board and thread share beside the control of its runs.
 #[derive(Debug)]
-pub(super) struct Shared {
+pub(super) struct SharedAdc {
     /// The noise of each input in its last reading, in the unit of its channel: bits of a number, which is none while
     /// there is no reading of several samples.
     pub(super) noise: Vec<AtomicU64>,
@@ -34,7 +34,7 @@ pub(super) struct Shared {
     pub(super) wake: OwnedFd,
 }
 
-impl Shared {
+impl SharedAdc {
     /// Wakes the thread.
     pub(super) fn wake(&self) {
         // A counter takes eight bytes; it cannot be full.
@@ -44,7 +44,7 @@ impl Shared {
 
 /// An input and what is known of it.
 #[derive(Debug)]
-pub(super) struct Known {
+pub(super) struct KnownInput {
     pub(super) scale: Scale,
     /// What was reported last; `None` before the first.
     reported: Option<Shown>,
@@ -52,26 +52,26 @@ pub(super) struct Known {
     last: Option<HostInstant>,
 }
 
-impl Known {
-    pub(super) fn new(scale: Scale) -> Known {
-        Known { scale, reported: None, last: None }
+impl KnownInput {
+    pub(super) fn new(scale: Scale) -> KnownInput {
+        KnownInput { scale, reported: None, last: None }
     }
 }
 
 /// The thread's side of a converter.
-pub(super) struct Device {
-    pub(super) sampler: Sampler<dyn Adc, Report>,
-    pub(super) shared: Arc<Shared>,
-    pub(super) inputs: Vec<Known>,
+pub(super) struct AdcThread {
+    pub(super) sampler: Sampler<dyn Adc, AdcReport>,
+    pub(super) shared: Arc<SharedAdc>,
+    pub(super) inputs: Vec<KnownInput>,
     /// The readings of one call.
-    pub(super) found: Vec<Reading>,
+    pub(super) found: Vec<AdcReading>,
     /// The longest time between two readings of an input that its channel allows for.
     pub(super) apart: Span,
     /// Readings that the device lost, as it reported last.
     pub(super) lost: u64,
 }
 
-impl Device {
+impl AdcThread {
     /// The thread.
     pub(super) fn run(mut self, realtime: Realtime) {
         // A refusal is reported once for all threads, by whoever set up the run.
@@ -147,10 +147,10 @@ impl Device {
         let Some(converter) = &self.sampler.device else { return };
         let control = &self.sampler.control;
         let (period, waits_since) = match converter.pace() {
-            Pace::Asked(period) => (period, None),
+            AdcPace::Asked(period) => (period, None),
             // The next readings are awaited from now on.
-            Pace::Ready(_, period) if self.found.is_empty() => (period, control.waits_since.get()),
-            Pace::Ready(_, period) => (period, Some(after + period)),
+            AdcPace::Ready(_, period) if self.found.is_empty() => (period, control.waits_since.get()),
+            AdcPace::Ready(_, period) => (period, Some(after + period)),
         };
         let lost = converter.lost();
         control.waits_since.set(waits_since);
@@ -164,7 +164,7 @@ impl Device {
             self.lost = lost;
         }
         if self.inputs.iter().all(|known| known.reported.is_some()) {
-            self.sampler.answer_start(|start| Report::Started { start });
+            self.sampler.answer_start(|start| AdcReport::Started { start });
         }
     }
 
@@ -190,7 +190,7 @@ impl Device {
                 let count = apart.as_nanos() / self.apart.as_nanos().max(1);
                 self.missed(input, u32::try_from(count).unwrap_or(u32::MAX), reading.after);
             }
-            let sample = Report::Sample { input: reading.input, from, to: reading.after, shown };
+            let sample = AdcReport::Sample { input: reading.input, from, to: reading.after, shown };
             if news && self.sampler.reporter.report(sample) {
                 self.inputs[input].reported = Some(shown);
             }
@@ -198,7 +198,7 @@ impl Device {
     }
 
     fn missed(&mut self, input: usize, count: u32, at: HostInstant) {
-        self.sampler.reporter.report(Report::Missed { input: input as u16, count, at });
+        self.sampler.reporter.report(AdcReport::Missed { input: input as u16, count, at });
     }
 
     /// Whether a device that was gone is there again.
@@ -208,7 +208,7 @@ impl Device {
         }
         self.lost = self.sampler.device.as_ref().map_or(0, |converter| converter.lost());
         self.forget();
-        self.sampler.reporter.returned(Report::Returned { at: HostInstant::now() });
+        self.sampler.reporter.returned(AdcReport::Returned { at: HostInstant::now() });
     }
 
     /// Until somebody wakes the thread, until the device has something, or until then.
@@ -223,7 +223,7 @@ impl Device {
         let wake = PollFd::new(&self.shared.wake, PollFlags::IN);
         // An interrupted wait is one that ended early.
         let _ = match converter.map(|converter| converter.pace()) {
-            Some(Pace::Ready(ready, _)) => {
+            Some(AdcPace::Ready(ready, _)) => {
                 poll(&mut [wake, PollFd::from_borrowed_fd(ready, PollFlags::IN)], Some(&timeout))
             }
             _ => poll(&mut [wake], Some(&timeout)),

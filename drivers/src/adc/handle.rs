@@ -9,7 +9,7 @@ use rustix::event::{EventfdFlags, eventfd};
 use rustix::io::Errno;
 use signal::{Time, Value, When};
 
-use super::device::{Device, Known, Report, Shared};
+use super::device::{AdcReport, AdcThread, KnownInput, SharedAdc};
 use super::spec::longest;
 use super::{AT_ONCE, AdcSource, Shown};
 use crate::board::BoardError;
@@ -29,8 +29,8 @@ const REPORTS: usize = 1_024;
 #[derive(Debug)]
 pub struct AdcHandle {
     control: Arc<SampleControl>,
-    shared: Arc<Shared>,
-    reports: Consumer<Report>,
+    shared: Arc<SharedAdc>,
+    reports: Consumer<AdcReport>,
     channels: Vec<ChannelId>,
     /// What messages call it.
     device: String,
@@ -50,7 +50,7 @@ impl AdcHandle {
     ) -> std::io::Result<AdcHandle> {
         let AdcSource { converter, inputs: samples, period, reopen } = source;
         let control = Arc::<SampleControl>::default();
-        let shared = Arc::new(Shared {
+        let shared = Arc::new(SharedAdc {
             noise: samples.iter().map(|_| AtomicU64::new(f64::NAN.to_bits())).collect(),
             wake: eventfd(0, EventfdFlags::CLOEXEC | EventfdFlags::NONBLOCK)?,
         });
@@ -59,9 +59,9 @@ impl AdcHandle {
         let (of, kind) = (converter.device().to_owned(), converter.kind());
         let name = format!("adc {of}");
         let apart = longest(period, converter.spread());
-        let device = Device {
+        let device = AdcThread {
             found: Vec::with_capacity(samples.len() * AT_ONCE),
-            inputs: samples.iter().map(|sample| Known::new(sample.scale.clone())).collect(),
+            inputs: samples.iter().map(|sample| KnownInput::new(sample.scale.clone())).collect(),
             sampler: Sampler::new(converter, reopen, control.clone(), reporter, limits.reconnect),
             shared: shared.clone(),
             apart,
@@ -86,9 +86,9 @@ impl AdcHandle {
         self.control.due(self.thread.limit())
     }
 
-    fn report(&mut self, report: Report, collector: &mut EventCollector<'_>) {
+    fn report(&mut self, report: AdcReport, collector: &mut EventCollector<'_>) {
         match report {
-            Report::Sample { input, from, to, shown } => {
+            AdcReport::Sample { input, from, to, shown } => {
                 let input = usize::from(input);
                 let (Some(last), Some(channel)) = (self.shown.get_mut(input), self.channels.get(input))
                 else {
@@ -98,17 +98,17 @@ impl AdcHandle {
                 let at = When::within(collector.time.at(from), collector.time.at(to));
                 changed(*channel, at, Some(shown), collector);
             }
-            Report::Missed { input, count, at } => {
+            AdcReport::Missed { input, count, at } => {
                 if let Some(channel) = self.channels.get(usize::from(input)) {
                     collector.dropped(*channel, collector.time.at(at), count);
                 }
             }
-            Report::Returned { at } => {
+            AdcReport::Returned { at } => {
                 let at = collector.time.at(at);
                 self.thread.report_return(at, self.channels.iter().copied(), collector);
             }
             // Was waited for.
-            Report::Started { .. } => {}
+            AdcReport::Started { .. } => {}
         }
     }
 }
@@ -140,12 +140,12 @@ impl DeviceHandle for AdcHandle {
         self.thread.await_start(due, reconnect, || {
             while let Ok(report) = reports.pop() {
                 match report {
-                    Report::Sample { input, shown, .. } => {
+                    AdcReport::Sample { input, shown, .. } => {
                         if let Some(last) = known.get_mut(usize::from(input)) {
                             *last = Some(shown);
                         }
                     }
-                    Report::Started { start: done } if done == request => return true,
+                    AdcReport::Started { start: done } if done == request => return true,
                     _ => {}
                 }
             }
@@ -221,9 +221,9 @@ fn changed(channel: ChannelId, at: When, shown: Option<Shown>, collector: &mut E
     collector.report(BoardEvent::Changed { channel, at, value, origin });
 }
 
-fn stamp_of(report: &Report) -> HostInstant {
+fn stamp_of(report: &AdcReport) -> HostInstant {
     match *report {
-        Report::Sample { to: at, .. } | Report::Missed { at, .. } | Report::Returned { at } => at,
-        Report::Started { .. } => HostInstant::BOOT,
+        AdcReport::Sample { to: at, .. } | AdcReport::Missed { at, .. } | AdcReport::Returned { at } => at,
+        AdcReport::Started { .. } => HostInstant::BOOT,
     }
 }

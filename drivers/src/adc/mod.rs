@@ -34,7 +34,7 @@ pub const AT_ONCE: usize = 64;
 
 /// What an input showed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reading {
+pub struct AdcReading {
     /// Place of the input among those that the converter was opened for.
     pub input: u16,
     /// The instants between which the input was sampled: the earlier one.
@@ -60,17 +60,17 @@ pub enum InRange {
 
 /// How readings come.
 #[derive(Clone, Copy, Debug)]
-pub enum Pace<'a> {
+pub enum AdcPace<'a> {
     /// When they are asked for, so often.
     Asked(Span),
     /// By themselves, about so often, when this descriptor can be read.
     Ready(BorrowedFd<'a>, Span),
 }
 
-impl Pace<'_> {
+impl AdcPace<'_> {
     /// Whether readings come by themselves.
     pub const fn comes_by_itself(&self) -> bool {
-        matches!(self, Pace::Ready(..))
+        matches!(self, AdcPace::Ready(..))
     }
 }
 
@@ -83,7 +83,7 @@ pub trait Adc: Send + Debug {
     fn kind(&self) -> &'static str;
 
     /// How its readings come.
-    fn pace(&self) -> Pace<'_>;
+    fn pace(&self) -> AdcPace<'_>;
 
     /// How many periods may pass between the beginning of one sample of an input and the end of the next where none is
     /// lost.
@@ -105,7 +105,7 @@ pub trait Adc: Send + Debug {
     ///
     /// # Errors
     /// The kernel's: `ENODEV` and `ENXIO` where the device is gone.
-    fn read(&mut self, out: &mut Vec<Reading>) -> io::Result<()>;
+    fn read(&mut self, out: &mut Vec<AdcReading>) -> io::Result<()>;
 
     /// How many readings were lost on the way since a run began, as far as the device tells.
     fn lost(&self) -> u64 {

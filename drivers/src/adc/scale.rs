@@ -2,7 +2,7 @@
 
 use signal::{Gap, Value};
 
-use super::{Accuracy, InRange, Noise, Reading, Resolution};
+use super::{Accuracy, AdcReading, InRange, Noise, Resolution};
 
 /// What a channel shows: a quantity with how far the truth may lie from it, or why there is none.
 pub type Shown = Result<Value, Gap>;
@@ -57,7 +57,7 @@ impl Scale {
     ///
     /// # Errors
     /// Why it is not known.
-    pub fn quantity(&self, reading: &Reading, resolution: Resolution, noise: Option<Noise>) -> Shown {
+    pub fn quantity(&self, reading: &AdcReading, resolution: Resolution, noise: Option<Noise>) -> Shown {
         if self.open_below.is_some_and(|least| reading.value < least) {
             return Err(Gap::OpenWire);
         }
@@ -144,12 +144,18 @@ mod tests {
     use host::HostInstant;
     use proptest::prelude::*;
 
-    fn reading(value: f64) -> Reading {
-        Reading { input: 0, before: HostInstant::BOOT, after: HostInstant::BOOT, value, range: InRange::Yes }
+    fn reading(value: f64) -> AdcReading {
+        AdcReading {
+            input: 0,
+            before: HostInstant::BOOT,
+            after: HostInstant::BOOT,
+            value,
+            range: InRange::Yes,
+        }
     }
 
     /// What is shown by a converter that is exact.
-    fn shown(scale: &Scale, reading: &Reading) -> Shown {
+    fn shown(scale: &Scale, reading: &AdcReading) -> Shown {
         scale.quantity(reading, Resolution::default(), None)
     }
 
@@ -176,7 +182,7 @@ mod tests {
 
     #[test]
     fn the_end_of_a_range_is_no_value() {
-        let at_end = |range| shown(&Scale::default(), &Reading { range, ..reading(3.3) });
+        let at_end = |range| shown(&Scale::default(), &AdcReading { range, ..reading(3.3) });
         assert_eq!(
             [at_end(InRange::Yes), at_end(InRange::Above), at_end(InRange::Below)],
             [Ok(Value::Real(3.3)), Err(Gap::Above), Err(Gap::Below)]

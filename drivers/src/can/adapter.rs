@@ -12,7 +12,7 @@ use super::find::restarts_by_rig;
 use super::link::{Link, News};
 use super::netlink::{Watch, ask, carry_out};
 use super::order::restart;
-use super::port::{KernelPort, Port};
+use super::port::{CanPort, KernelPort};
 use super::settings;
 use super::spec::CanBusSpec;
 use crate::BusState;
@@ -39,7 +39,7 @@ pub trait Adapter: Send + fmt::Debug {
     ///
     /// # Errors
     /// What the kernel says; EINVAL where it is set up in another way.
-    fn open(&mut self) -> io::Result<(Box<dyn Port>, BusState)>;
+    fn open(&mut self) -> io::Result<(Box<dyn CanPort>, BusState)>;
 
     /// How its controller takes part; `None` where nobody knows.
     fn state(&mut self) -> Option<BusState>;
@@ -117,7 +117,7 @@ fn taking_part(link: &Link) -> BusState {
 }
 
 impl Adapter for Interface {
-    fn open(&mut self) -> io::Result<(Box<dyn Port>, BusState)> {
+    fn open(&mut self) -> io::Result<(Box<dyn CanPort>, BusState)> {
         self.prepare()?;
         let link = ask(&self.spec.interface)?;
         if !link.up {

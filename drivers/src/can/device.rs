@@ -10,9 +10,9 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use super::adapter::{Adapter, Change};
 use super::arrivals::{Arrivals, BATCH};
-use super::port::Port;
+use super::port::CanPort;
 use super::report::Reported;
-use super::shared::{REPORTS, Report, Shared, ThreadConfig};
+use super::shared::{CanReport, REPORTS, SharedCan, ThreadConfig};
 use super::wire::{Datagram, FD, decode, encode};
 use crate::thread::Reporter;
 use crate::{BusError, BusState};
@@ -22,12 +22,12 @@ const AGAIN: Span = Span::from_millis(1);
 const IDLE: Span = Span::from_millis(100);
 
 /// The thread's side.
-pub(super) struct Device {
+pub(super) struct CanThread {
     adapter: Box<dyn Adapter>,
-    port: Option<Box<dyn Port>>,
-    shared: Arc<Shared>,
+    port: Option<Box<dyn CanPort>>,
+    shared: Arc<SharedCan>,
     frames: Consumer<CanFrame>,
-    reporter: Reporter<Report>,
+    reporter: Reporter<CanReport>,
     /// How long before its stamp a frame may have ended.
     resolution: Span,
     /// An interface that went away is opened again.
@@ -53,17 +53,17 @@ pub(super) struct Device {
     newest: HostInstant,
 }
 
-impl Device {
+impl CanThread {
     /// Of an open interface, with its ends of both ways.
     pub(super) fn new(
         adapter: Box<dyn Adapter>,
-        port: Box<dyn Port>,
-        shared: Arc<Shared>,
+        port: Box<dyn CanPort>,
+        shared: Arc<SharedCan>,
         frames: Consumer<CanFrame>,
-        reporter: Reporter<Report>,
+        reporter: Reporter<CanReport>,
         config: ThreadConfig,
-    ) -> Device {
-        Device {
+    ) -> CanThread {
+        CanThread {
             adapter,
             port: Some(port),
             shared,
@@ -178,7 +178,7 @@ impl Device {
             self.port = Some(port);
             (self.dropped, self.waiting, self.pending, self.running) = (0, 0, None, true);
             let at = HostInstant::now();
-            self.reporter.returned(Report::Returned { at });
+            self.reporter.returned(CanReport::Returned { at });
             self.is(at, state);
         }
     }
@@ -223,7 +223,7 @@ impl Device {
         // What the kernel has had since before this run it still has: nobody could tell it from what the run sends.
         (self.clocks, self.late) = (Bracket::measure(), false);
         // The board makes room while it waits.
-        self.reporter.insist(Report::Started { start, state: self.state, waiting: self.waiting > 0 });
+        self.reporter.insist(CanReport::Started { start, state: self.state, waiting: self.waiting > 0 });
     }
 
     fn receive(&mut self) {
@@ -271,21 +271,21 @@ impl Device {
             self.dropped = received.dropped;
             // Which frames they were nobody knows: own ones among them will not be reported.
             self.waiting = 0;
-            self.report(Report::Dropped { at: latest, count: lost });
+            self.report(CanReport::Dropped { at: latest, count: lost });
         }
         match bytes.get(..received.len).and_then(decode) {
             Some(Datagram::Frame(frame)) => {
                 if received.own {
                     (self.waiting, self.since, self.late) = (self.waiting.saturating_sub(1), now, false);
                 }
-                self.report(Report::Frame { earliest, latest, frame, own: received.own });
+                self.report(CanReport::Frame { earliest, latest, frame, own: received.own });
             }
             Some(Datagram::Report(classes, details)) => {
                 let reported = Reported::read(classes, &details);
                 for error in reported.errors() {
-                    self.report(Report::Error { at: latest, error });
+                    self.report(CanReport::Error { at: latest, error });
                     if error == BusError::ReceiveOverflow {
-                        self.report(Report::Dropped { at: latest, count: 1 });
+                        self.report(CanReport::Dropped { at: latest, count: 1 });
                     }
                 }
                 if let Some(state) = reported.state {
@@ -293,7 +293,7 @@ impl Device {
                 }
             }
             // Nothing that this kernel is known to write: it counts as lost.
-            None => self.report(Report::Dropped { at: latest, count: 1 }),
+            None => self.report(CanReport::Dropped { at: latest, count: 1 }),
         }
     }
 
@@ -306,7 +306,7 @@ impl Device {
         if state != self.state {
             self.state = state;
             self.off();
-            self.report(Report::State { at, state });
+            self.report(CanReport::State { at, state });
         }
     }
 
@@ -376,7 +376,7 @@ impl Device {
     fn overdue(&mut self) {
         if self.waiting > 0 && !self.late && HostInstant::now() - self.since > self.reporter.limit() {
             self.late = true;
-            self.report(Report::Error { at: HostInstant::now(), error: BusError::SendTimeout });
+            self.report(CanReport::Error { at: HostInstant::now(), error: BusError::SendTimeout });
         }
     }
 
@@ -388,7 +388,7 @@ impl Device {
         }
     }
 
-    fn report(&mut self, report: Report) {
+    fn report(&mut self, report: CanReport) {
         // What finds no room is counted.
         let _ = self.reporter.report(report);
     }

@@ -8,9 +8,9 @@ use rtrb::{Consumer, Producer, RingBuffer};
 use signal::{CanFrame, Span, Time, When};
 
 use super::adapter::Adapter;
-use super::device::Device;
-use super::port::Port;
-use super::shared::{REPORTS, Report, Shared, ThreadConfig};
+use super::device::CanThread;
+use super::port::CanPort;
+use super::shared::{CanReport, REPORTS, SharedCan, ThreadConfig};
 use super::spec::CanBusSpec;
 use super::wire::encode;
 use crate::thread::{DeviceThread, PresenceChange, ends};
@@ -23,9 +23,9 @@ const TO_SEND: usize = 1_024;
 #[derive(Debug)]
 pub(super) struct Node {
     pub(super) spec: CanBusSpec,
-    pub(super) shared: Arc<Shared>,
+    pub(super) shared: Arc<SharedCan>,
     frames: Producer<CanFrame>,
-    pub(super) reports: Consumer<Report>,
+    pub(super) reports: Consumer<CanReport>,
     /// How long the end of the thread is waited for.
     patience: Span,
     /// What the thread had seen to when it was looked at last, and when it owed the rest.
@@ -49,14 +49,14 @@ impl Node {
     pub(super) fn start(
         spec: CanBusSpec,
         adapter: Box<dyn Adapter>,
-        port: Box<dyn Port>,
+        port: Box<dyn CanPort>,
         bell: &Arc<Bell>,
         config: ThreadConfig,
     ) -> std::io::Result<Node> {
-        let shared = Arc::new(Shared::new()?);
+        let shared = Arc::new(SharedCan::new()?);
         let (frames, to_send) = RingBuffer::new(TO_SEND);
         let (reporter, mut thread, reports) = ends(REPORTS, bell, config.limit);
-        let device = Device::new(adapter, port, shared.clone(), to_send, reporter, config);
+        let device = CanThread::new(adapter, port, shared.clone(), to_send, reporter, config);
         thread.start(format!("can {}", spec.interface), move || device.run(config.realtime))?;
         Ok(Node {
             spec,
@@ -111,7 +111,7 @@ impl Node {
     pub(super) fn await_start(&mut self, start: u64, due: HostInstant) -> bool {
         loop {
             while let Ok(report) = self.reports.pop() {
-                let Report::Started { start: done, state, waiting } = report else { continue };
+                let CanReport::Started { start: done, state, waiting } = report else { continue };
                 if done != start {
                     continue;
                 }
@@ -223,21 +223,21 @@ impl Node {
             let _ = self.reports.pop();
             let at = time.at(at);
             match report {
-                Report::Frame { earliest, frame, own, .. } => {
+                CanReport::Frame { earliest, frame, own, .. } => {
                     let at = When::within(time.at(earliest), at);
                     out.push(BusEvent::CanFrame { bus, at, frame, own });
                 }
-                Report::State { state, .. } => out.push(BusEvent::State { bus, at, state }),
-                Report::Error { error, .. } => out.push(BusEvent::Error { bus, at, error }),
-                Report::Dropped { count, .. } => self.drop_some(at, count, out),
-                Report::Returned { .. } => {
+                CanReport::State { state, .. } => out.push(BusEvent::State { bus, at, state }),
+                CanReport::Error { error, .. } => out.push(BusEvent::Error { bus, at, error }),
+                CanReport::Dropped { count, .. } => self.drop_some(at, count, out),
+                CanReport::Returned { .. } => {
                     if self.thread.returns_unreported() {
                         out.push(BusEvent::Lost { bus, at, reason: LossReason::Gone });
                     }
                     out.push(BusEvent::Returned { bus, at });
                 }
                 // Was waited for.
-                Report::Started { .. } => {}
+                CanReport::Started { .. } => {}
             }
         }
         let count = self.thread.take_overflow();
@@ -275,13 +275,13 @@ impl Drop for Node {
     }
 }
 
-fn stamp_of(report: &Report) -> HostInstant {
+fn stamp_of(report: &CanReport) -> HostInstant {
     match *report {
-        Report::Frame { latest, .. } => latest,
-        Report::State { at, .. }
-        | Report::Error { at, .. }
-        | Report::Dropped { at, .. }
-        | Report::Returned { at } => at,
-        Report::Started { .. } => HostInstant::BOOT,
+        CanReport::Frame { latest, .. } => latest,
+        CanReport::State { at, .. }
+        | CanReport::Error { at, .. }
+        | CanReport::Dropped { at, .. }
+        | CanReport::Returned { at } => at,
+        CanReport::Started { .. } => HostInstant::BOOT,
     }
 }

@@ -19,7 +19,7 @@ const ROOM: usize = 4 << 20;
 const EXTENDED: u32 = 0x8000_0000;
 
 /// The way to a bus. None of its calls waits.
-pub trait Port: Send + fmt::Debug {
+pub trait CanPort: Send + fmt::Debug {
     /// The next frame or report.
     ///
     /// # Errors
@@ -95,7 +95,7 @@ impl AsFd for KernelPort {
     }
 }
 
-impl Port for KernelPort {
+impl CanPort for KernelPort {
     fn receive(&mut self, into: &mut [u8; FD]) -> Result<Received, Errno> {
         host::receive(self, into)
     }

@@ -29,7 +29,7 @@ pub(super) struct ThreadConfig {
 
 /// What the interface reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Report {
+pub(super) enum CanReport {
     /// A frame was on the bus between these stamps.
     Frame { earliest: HostInstant, latest: HostInstant, frame: CanFrame, own: bool },
     /// The controller takes part in another way.
@@ -46,7 +46,7 @@ pub(super) enum Report {
 
 /// What board and thread share.
 #[derive(Debug)]
-pub(super) struct Shared {
+pub(super) struct SharedCan {
     /// Nothing is sent, whatever is asked.
     pub(super) latched: AtomicBool,
     /// Number of starts asked for.
@@ -60,10 +60,10 @@ pub(super) struct Shared {
     pub(super) wake: OwnedFd,
 }
 
-impl Shared {
+impl SharedCan {
     /// Of a thread that sends nothing before its first start.
-    pub(super) fn new() -> std::io::Result<Shared> {
-        Ok(Shared {
+    pub(super) fn new() -> std::io::Result<SharedCan> {
+        Ok(SharedCan {
             latched: AtomicBool::new(true),
             starts: AtomicU64::new(0),
             asked: AtomicU64::new(0),

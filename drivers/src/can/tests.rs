@@ -11,7 +11,7 @@ use signal::{CanFrame, Span};
 
 use super::adapter::{Adapter, Change};
 use super::node::Node;
-use super::port::Port;
+use super::port::CanPort;
 use super::shared::{REPORTS, ThreadConfig};
 use super::spec::CanBusSpec;
 use super::wire::{FD, encode};
@@ -38,7 +38,7 @@ struct Scripted {
     source: OwnedFd,
 }
 
-impl Port for Scripted {
+impl CanPort for Scripted {
     fn receive(&mut self, into: &mut [u8; FD]) -> Result<Received, Errno> {
         let (bytes, received) = self.script.0.lock().unwrap().arrive.pop_front().ok_or(Errno::AGAIN)?;
         into[..bytes.len()].copy_from_slice(&bytes);
@@ -67,7 +67,7 @@ impl Port for Scripted {
 struct Fixed;
 
 impl Adapter for Fixed {
-    fn open(&mut self) -> std::io::Result<(Box<dyn Port>, BusState)> {
+    fn open(&mut self) -> std::io::Result<(Box<dyn CanPort>, BusState)> {
         Err(Errno::NODEV.into())
     }
 

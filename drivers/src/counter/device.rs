@@ -5,14 +5,14 @@ use std::sync::Arc;
 use host::{Bell, CounterEvent, HostInstant, Realtime, Role};
 use signal::Span;
 
-use super::{Counter, Follower, Step};
+use super::{CountStep, Counter, Follower};
 use crate::sampled::{SampleTurn, Sampler};
 
 /// What the device found.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Report {
+pub(super) enum CounterReport {
     /// It has counted.
-    Counted(Step),
+    Counted(CountStep),
     /// Events were lost on the way.
     Missed { at: HostInstant },
     /// It was read since this start.
@@ -22,8 +22,8 @@ pub(super) enum Report {
 }
 
 /// The thread's side of a counter.
-pub(super) struct Device {
-    pub(super) sampler: Sampler<dyn Counter, Report>,
+pub(super) struct CounterThread {
+    pub(super) sampler: Sampler<dyn Counter, CounterReport>,
     /// Wakes the thread.
     pub(super) wake: Arc<Bell>,
     pub(super) follower: Follower,
@@ -34,14 +34,14 @@ pub(super) struct Device {
     /// The events of one look.
     pub(super) events: Vec<CounterEvent>,
     /// What became known by one look.
-    pub(super) steps: Vec<Step>,
+    pub(super) steps: Vec<CountStep>,
     /// Time between two readings.
     pub(super) period: Span,
     /// It is open again, and was not read since.
     pub(super) returning: bool,
 }
 
-impl Device {
+impl CounterThread {
     /// The thread.
     pub(super) fn run(mut self, realtime: Realtime) {
         // A refusal is reported once for all threads, by whoever set up the run.
@@ -99,19 +99,19 @@ impl Device {
         for at in 0..self.steps.len() {
             let step = self.steps[at];
             self.total = self.before.saturating_add(step.total);
-            self.sampler.reporter.report(Report::Counted(Step { total: self.total, ..step }));
+            self.sampler.reporter.report(CounterReport::Counted(CountStep { total: self.total, ..step }));
         }
         self.steps.clear();
         // Not before it was read: what it counts from the instant of its return on is counted.
         if self.returning && self.follower.since().is_some() {
             self.returning = false;
-            self.sampler.reporter.returned(Report::Returned { at: HostInstant::now() });
+            self.sampler.reporter.returned(CounterReport::Returned { at: HostInstant::now() });
         }
         if !whole {
-            self.sampler.reporter.report(Report::Missed { at: reading.after });
+            self.sampler.reporter.report(CounterReport::Missed { at: reading.after });
         }
         if self.follower.since().is_some() {
-            self.sampler.answer_start(|start| Report::Started { start });
+            self.sampler.answer_start(|start| CounterReport::Started { start });
         }
     }
 

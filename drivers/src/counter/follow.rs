@@ -9,7 +9,7 @@ use super::CounterSpec;
 
 /// What a count showed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Reading {
+pub struct CounterReading {
     /// The instants between which it was read: the earlier one.
     pub before: HostInstant,
     /// The later one.
@@ -31,7 +31,7 @@ pub enum Way {
 
 /// What became known of a count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Step {
+pub struct CountStep {
     /// It came to be so after this instant.
     pub from: HostInstant,
     /// And not after this one.
@@ -78,7 +78,7 @@ pub struct Follower {
     last: Option<Last>,
     /// The next wrap to be reported has been seen in a reading.
     foreseen: bool,
-    held: Option<Reading>,
+    held: Option<CounterReading>,
     waiting: VecDeque<CounterEvent>,
     /// The most events that wait for the next reading.
     most: usize,
@@ -123,7 +123,12 @@ impl Follower {
     }
 
     /// Takes a reading, and the events that were there behind it. What becomes known goes to `tell`, in order.
-    pub fn take(&mut self, reading: Reading, events: &[CounterEvent], tell: &mut impl FnMut(Step)) {
+    pub fn take(
+        &mut self,
+        reading: CounterReading,
+        events: &[CounterEvent],
+        tell: &mut impl FnMut(CountStep),
+    ) {
         if self.last.is_none() {
             self.start(reading, events);
             return;
@@ -147,7 +152,7 @@ impl Follower {
 
     /// Finds where to begin: at the first reading, but behind a wrap that was reported meanwhile, since nobody knows whether that
     /// reading had seen it.
-    fn start(&mut self, reading: Reading, events: &[CounterEvent]) {
+    fn start(&mut self, reading: CounterReading, events: &[CounterEvent]) {
         if !self.told {
             self.held = self.events.then_some(reading);
             self.base(reading.value, reading.before);
@@ -168,13 +173,13 @@ impl Follower {
         self.last = Some(Last { value, total: 0, since });
     }
 
-    fn read(&mut self, reading: Reading, tell: &mut impl FnMut(Step)) {
+    fn read(&mut self, reading: CounterReading, tell: &mut impl FnMut(CountStep)) {
         let Some(last) = self.last else { return };
         let total = self.total(last, reading.value);
         self.known(last.since.min(reading.after), reading.before, reading.after, reading.value, total, tell);
     }
 
-    fn event(&mut self, event: CounterEvent, tell: &mut impl FnMut(Step)) {
+    fn event(&mut self, event: CounterEvent, tell: &mut impl FnMut(CountStep)) {
         let Some(last) = self.last else { return };
         let total = match self.wrap(event) {
             0 => self.total(last, event.count),
@@ -249,7 +254,7 @@ impl Follower {
         to: HostInstant,
         value: u64,
         total: i128,
-        tell: &mut impl FnMut(Step),
+        tell: &mut impl FnMut(CountStep),
     ) {
         let Some(last) = self.last.replace(Last { value, total, since }) else { return };
         let apart = to - last.since;
@@ -261,7 +266,7 @@ impl Follower {
         let doubtful = apart > self.unseen || self.promised.is_some_and(too_far);
         if total != last.total || doubtful {
             let limit = |total: i128| total.clamp(i128::from(i64::MIN), i128::from(i64::MAX)) as i64;
-            tell(Step { from, to, total: limit(total), doubtful });
+            tell(CountStep { from, to, total: limit(total), doubtful });
         }
     }
 }

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use signal::Span;
 
 use super::spec::{CounterSpec, FindCount, FindCounter};
-use super::{Follower, Reading, Step};
+use super::{CountStep, CounterReading, Follower};
 use crate::counting::CountFunction;
 
 const PERIOD: i64 = 1_000_000;
@@ -74,11 +74,11 @@ impl Wheel {
     }
 
     /// Follows it by readings at these instants, each of which takes a while, and by its events.
-    fn follow(&self, follower: &mut Follower, readings: &[i64], events: &[CounterEvent]) -> Vec<Step> {
+    fn follow(&self, follower: &mut Follower, readings: &[i64], events: &[CounterEvent]) -> Vec<CountStep> {
         let mut steps = Vec::new();
         let mut next = 0;
         for now in readings {
-            let reading = Reading { before: at(*now), after: at(now + 60), value: self.value(*now) };
+            let reading = CounterReading { before: at(*now), after: at(now + 60), value: self.value(*now) };
             let came = events[next..].iter().take_while(|event| event.stamp <= reading.after).count();
             follower.take(reading, &events[next..next + came], &mut |step| steps.push(step));
             next += came;
@@ -87,7 +87,7 @@ impl Wheel {
     }
 
     /// Each step tells what was so at some instant of its interval, and the last one where the wheel stands.
-    fn agrees(&self, steps: &[Step], follower: &Follower, end: i64) -> Result<(), TestCaseError> {
+    fn agrees(&self, steps: &[CountStep], follower: &Follower, end: i64) -> Result<(), TestCaseError> {
         let base = self.moved(follower.since().unwrap_or_default().as_nanos());
         for step in steps {
             prop_assert!(step.from <= step.to, "{step:?}");
@@ -143,7 +143,7 @@ proptest! {
             Follower::new(&spec(CountFunction::QuadratureX4, &[], Some(4_000)), range as u64 - 1, LONG, Span::ZERO);
         let steps = wheel.follow(&mut follower, &readings, &[]);
         // What the file promises is exceeded by nobody here, but half the range is near: doubts are right.
-        let sure: Vec<Step> = steps.iter().map(|step| Step { doubtful: false, ..*step }).collect();
+        let sure: Vec<CountStep> = steps.iter().map(|step| CountStep { doubtful: false, ..*step }).collect();
         wheel.agrees(&sure, &follower, end)?;
     }
 
@@ -162,7 +162,7 @@ proptest! {
         let function = if down { CountFunction::Decrease } else { CountFunction::Increase };
         let mut follower = Follower::new(&spec(function, &[], Some(3_000)), range as u64 - 1, LONG, Span::ZERO);
         let steps = wheel.follow(&mut follower, &readings, &[]);
-        let sure: Vec<Step> = steps.iter().map(|step| Step { doubtful: false, ..*step }).collect();
+        let sure: Vec<CountStep> = steps.iter().map(|step| CountStep { doubtful: false, ..*step }).collect();
         wheel.agrees(&sure, &follower, end)?;
     }
 
@@ -249,7 +249,7 @@ proptest! {
                 kind: CounterEventKind::ALL[*kind],
             };
             let told: Vec<CounterEvent> = told.iter().map(event).collect();
-            follower.take(Reading { before: at(now), after: at(now), value }, &told, &mut |_| {});
+            follower.take(CounterReading { before: at(now), after: at(now), value }, &told, &mut |_| {});
         }
     }
 }
@@ -260,7 +260,7 @@ fn a_count_that_moves_faster_than_promised_is_told_as_doubtful() {
         Follower::new(&spec(CountFunction::Increase, &[], Some(1_000)), 9_999, LONG, Span::ZERO);
     let mut steps = Vec::new();
     let mut read = |now: i64, value: u64| {
-        let reading = Reading { before: at(now), after: at(now), value };
+        let reading = CounterReading { before: at(now), after: at(now), value };
         follower.take(reading, &[], &mut |step| steps.push((step.total, step.doubtful)));
     };
     read(0, 9_990);
@@ -281,7 +281,7 @@ fn what_lies_too_far_apart_is_doubtful_though_nothing_moved() {
     let mut doubts = 0;
     for periods in [0, 4, 8, 14] {
         let now = at(periods * PERIOD);
-        let reading = Reading { before: now, after: now, value: 7 };
+        let reading = CounterReading { before: now, after: now, value: 7 };
         follower.take(reading, &[], &mut |step| doubts += i32::from(step.doubtful));
     }
     assert_eq!(doubts, 1);
@@ -294,7 +294,7 @@ fn the_first_reading_may_be_behind_a_wrap_that_is_told_later() {
     let overflow = |stamp, count| CounterEvent { stamp: at(stamp), count, kind: CounterEventKind::Overflow };
     let mut totals = Vec::new();
     let mut take = |now: i64, value: u64, events: &[CounterEvent]| {
-        follower.take(Reading { before: at(now), after: at(now + 5), value }, events, &mut |step| {
+        follower.take(CounterReading { before: at(now), after: at(now + 5), value }, events, &mut |step| {
             totals.push(step.total)
         });
         follower.since()

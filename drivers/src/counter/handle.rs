@@ -7,8 +7,8 @@ use rtrb::Consumer;
 use rustix::io::Errno;
 use signal::{Time, Value, When};
 
-use super::device::{Device, Report};
-use super::{CounterSource, CounterSpec, Follower, Step};
+use super::device::{CounterReport, CounterThread};
+use super::{CountStep, CounterSource, CounterSpec, Follower};
 use crate::board::BoardError;
 use crate::channel::ChannelId;
 use crate::context::BoardContext;
@@ -28,7 +28,7 @@ pub struct CounterHandle {
     control: Arc<SampleControl>,
     /// Wakes the thread.
     wake: Arc<Bell>,
-    reports: Consumer<Report>,
+    reports: Consumer<CounterReport>,
     channel: ChannelId,
     /// What messages call it.
     device: String,
@@ -51,7 +51,7 @@ impl CounterHandle {
             ends(REPORTS + 4 * kept, &context.bell, limits.unresponsive_after);
         let of = source.counter.device().to_owned();
         let apart = spec.longest(limits.unresponsive_after);
-        let device = Device {
+        let device = CounterThread {
             follower: Follower::new(spec, source.counter.ceiling(), apart, context.resolution),
             sampler: Sampler::new(source.counter, source.reopen, control.clone(), reporter, limits.reconnect),
             wake: wake.clone(),
@@ -78,9 +78,9 @@ impl CounterHandle {
         collector.report(BoardEvent::Changed { channel, at, value, origin });
     }
 
-    fn report(&mut self, report: Report, collector: &mut EventCollector<'_>) {
+    fn report(&mut self, report: CounterReport, collector: &mut EventCollector<'_>) {
         match report {
-            Report::Counted(step) => {
+            CounterReport::Counted(step) => {
                 let at = When::within(collector.time.at(step.from), collector.time.at(step.to));
                 if step.doubtful {
                     collector.dropped(self.channel, at.latest, 1);
@@ -89,14 +89,14 @@ impl CounterHandle {
                     self.count_at(at, collector);
                 }
             }
-            Report::Missed { at } => collector.dropped(self.channel, collector.time.at(at), 1),
-            Report::Returned { at } => {
+            CounterReport::Missed { at } => collector.dropped(self.channel, collector.time.at(at), 1),
+            CounterReport::Returned { at } => {
                 let at = collector.time.at(at);
                 self.thread.report_return(at, std::iter::once(self.channel), collector);
                 self.count_at(When::exactly(at), collector);
             }
             // Was waited for.
-            Report::Started { .. } => {}
+            CounterReport::Started { .. } => {}
         }
     }
 }
@@ -125,7 +125,7 @@ impl DeviceHandle for CounterHandle {
     /// It has when the count was read.
     fn await_start(&mut self, request: u64, due: HostInstant, reconnect: bool) -> bool {
         let reports = &mut self.reports;
-        let answer = Report::Started { start: request };
+        let answer = CounterReport::Started { start: request };
         let has_started = self.thread.await_start(due, reconnect, || {
             std::iter::from_fn(|| reports.pop().ok()).any(|one| one == answer)
         });
@@ -186,9 +186,11 @@ impl Drop for CounterHandle {
     }
 }
 
-fn stamp_of(report: &Report) -> HostInstant {
+fn stamp_of(report: &CounterReport) -> HostInstant {
     match *report {
-        Report::Counted(Step { to: at, .. }) | Report::Missed { at } | Report::Returned { at } => at,
-        Report::Started { .. } => HostInstant::BOOT,
+        CounterReport::Counted(CountStep { to: at, .. })
+        | CounterReport::Missed { at }
+        | CounterReport::Returned { at } => at,
+        CounterReport::Started { .. } => HostInstant::BOOT,
     }
 }

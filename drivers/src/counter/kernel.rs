@@ -12,7 +12,7 @@ use rustix::fs::OFlags;
 use rustix::io::Errno;
 
 use super::find::{CounterDevice, HardwareCount, look, named};
-use super::follow::{Reading, unseen};
+use super::follow::{CounterReading, unseen};
 use super::spec::CounterSpec;
 use super::{Counter, Way};
 use crate::codes;
@@ -106,13 +106,13 @@ impl Counter for KernelCounter {
         Ok(())
     }
 
-    fn read(&mut self) -> io::Result<Reading> {
+    fn read(&mut self) -> io::Result<CounterReading> {
         let mut text = [0; 24];
         let before = HostInstant::now();
         let length = rustix::io::pread(&self.count, &mut text, 0)?;
         let after = HostInstant::now();
         let value = shown(&text[..length]).ok_or(ErrorKind::InvalidData)?;
-        Ok(Reading { before, after, value })
+        Ok(CounterReading { before, after, value })
     }
 
     fn events(&mut self, out: &mut Vec<CounterEvent>) -> io::Result<bool> {

@@ -17,7 +17,7 @@ mod spec;
 
 pub use board::{CounterBoard, CounterSource, describe};
 pub use find::{CounterDevice, HardwareCount, find, list, look, named};
-pub use follow::{Follower, Reading, Step, Way};
+pub use follow::{CountStep, CounterReading, Follower, Way};
 pub use kernel::{KernelCounter, shown};
 pub(crate) use spec::EVENTS;
 pub use spec::{CountSpec, CounterSpec, CountersSpec, FindCount, FindCounter};
@@ -44,7 +44,7 @@ pub trait Counter: Send + Debug {
     ///
     /// # Errors
     /// The kernel's: `ENODEV` and `ENXIO` where the device is gone.
-    fn read(&mut self) -> io::Result<Reading>;
+    fn read(&mut self) -> io::Result<CounterReading>;
 
     /// Appends the events that wait, oldest first. FALSE where some may have been lost. Does not allocate once `out` has
     /// grown.

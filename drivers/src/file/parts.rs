@@ -8,8 +8,8 @@ use signal::Span;
 use super::bench::Bench;
 use super::{codes, keys, number};
 use crate::circuit::{
-    Bounce, CircuitError, CircuitFault, LagSpec, LagTarget, MAX_PARTS, Part, PlantSpec, Spacing, SwitchSpec,
-    WireSpec,
+    Bounce, CircuitError, CircuitFault, CircuitPart, LagSpec, LagTarget, MAX_PARTS, PlantSpec, Spacing,
+    SwitchSpec, WireSpec,
 };
 use crate::wrap::Disturbance;
 use crate::{ChannelId, ChannelKind};
@@ -156,10 +156,10 @@ pub(super) fn circuit(bench: &Bench, wires: &[&Node], plants: &[&Node], out: &mu
             None => String::from("the channel"),
         };
         let span = match part {
-            Part::Channel(at) => bench.place_of(at),
-            Part::Wire(at) => wires.get(at).map_or(0..0, |node| place(node, fault)),
-            Part::Plant(at) => plants.get(at).map_or(0..0, |node| place(node, fault)),
-            Part::Switch { plant, switch } => {
+            CircuitPart::Channel(at) => bench.place_of(at),
+            CircuitPart::Wire(at) => wires.get(at).map_or(0..0, |node| place(node, fault)),
+            CircuitPart::Plant(at) => plants.get(at).map_or(0..0, |node| place(node, fault)),
+            CircuitPart::Switch { plant, switch } => {
                 let list = plants.get(plant).and_then(|node| node.as_table()?.get("switches")?.as_array());
                 list.and_then(|list| list.get(switch)).map_or(0..0, |node| place(node, fault))
             }
@@ -168,7 +168,7 @@ pub(super) fn circuit(bench: &Bench, wires: &[&Node], plants: &[&Node], out: &mu
             CircuitFault::TooMany | CircuitFault::DuplicateName { .. } => (codes::TOO_MANY, String::new()),
             CircuitFault::BadSafeValue => (codes::SAFE_VALUE, String::new()),
             CircuitFault::NoChannel(_) => (codes::UNKNOWN_CHANNEL, String::new()),
-            CircuitFault::NotDigital(id) if matches!(part, Part::Channel(_)) => {
+            CircuitFault::NotDigital(id) if matches!(part, CircuitPart::Channel(_)) => {
                 (codes::TALLY, format!("{} is not digital", name(id)))
             }
             CircuitFault::NotDigital(id) => (codes::PLANT_CHANNEL, format!("{} is analog", name(id))),

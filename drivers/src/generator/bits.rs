@@ -46,7 +46,7 @@ impl BitClock {
 
 /// How bits lie in bytes and what they mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Layout {
+pub struct BitLayout {
     /// The first bit of a byte on the wire is its lowest, not its highest.
     pub lsb_first: bool,
     /// A bit of 0 is a high level of the channel.
@@ -55,7 +55,7 @@ pub struct Layout {
     pub lead: u64,
 }
 
-impl Layout {
+impl BitLayout {
     /// Bytes for edges of which the last comes at this bit: the line is at rest in the last bit of all.
     pub fn bytes(self, last: u64) -> u64 {
         self.lead.saturating_add(last) / 8 + 1
@@ -119,7 +119,7 @@ mod tests {
     use proptest::prelude::*;
 
     /// The level in each bit, looked up edge by edge.
-    fn naive(layout: Layout, clock: BitClock, edges: &[Span], bits: u64) -> Vec<bool> {
+    fn naive(layout: BitLayout, clock: BitClock, edges: &[Span], bits: u64) -> Vec<bool> {
         let level = |bit: u64| {
             let before = |edge: &&Span| layout.lead + clock.bit(**edge) <= bit;
             edges.iter().filter(before).count() % 2 == 1
@@ -128,7 +128,7 @@ mod tests {
     }
 
     /// The bits on the wire.
-    fn sent(layout: Layout, bytes: &[u8]) -> Vec<bool> {
+    fn sent(layout: BitLayout, bytes: &[u8]) -> Vec<bool> {
         let bit = |byte: u8, place: u32| match layout.lsb_first {
             true => byte >> place & 1 == 1,
             false => byte << place & 0x80 != 0,
@@ -147,7 +147,7 @@ mod tests {
             widths in prop::collection::vec(0_u32..3_000, 0..60),
         ) {
             let clock = BitClock::new(hz);
-            let layout = Layout { lsb_first, inverted, lead };
+            let layout = BitLayout { lsb_first, inverted, lead };
             let mut at = clock.lasts(first);
             let mut edges = vec![Span::from_nanos(at)];
             for width in &widths {
@@ -180,7 +180,7 @@ mod tests {
             room in 0_usize..40,
         ) {
             let edges: Vec<Span> = edges.into_iter().map(Span::from_nanos).collect();
-            let layout = Layout { lsb_first, inverted: false, lead };
+            let layout = BitLayout { lsb_first, inverted: false, lead };
             let mut bytes = vec![0; room];
             if let Some(used) = layout.write(BitClock::new(hz), &edges, &mut bytes) {
                 prop_assert!(used <= room && edges.len().is_multiple_of(2));
@@ -191,7 +191,7 @@ mod tests {
     #[test]
     fn what_does_not_fit_or_would_merge_is_refused() {
         let (clock, layout) =
-            (BitClock::new(1_000_000), Layout { lsb_first: false, inverted: false, lead: 8 });
+            (BitClock::new(1_000_000), BitLayout { lsb_first: false, inverted: false, lead: 8 });
         let us = |list: &[i64]| list.iter().map(|at| Span::from_micros(*at)).collect::<Vec<_>>();
         let mut bytes = [0; 3];
         assert_eq!(layout.write(clock, &us(&[0, 3]), &mut bytes), Some(2));

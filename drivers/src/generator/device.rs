@@ -8,13 +8,13 @@ use host::{AtomicInstant, Bell, HostInstant, Realtime, Role};
 use rtrb::Consumer;
 use signal::Span;
 
-use super::{Generator, Sent};
+use super::{Generator, SentPulses};
 use crate::device_board::Reopen;
 use crate::thread::Reporter;
 
 /// What is asked of an output.
 #[derive(Clone, Debug)]
-pub(super) enum Order {
+pub(super) enum GeneratorOrder {
     Level(bool),
     Square { period: Span, high: Span },
     Pulses(Arc<[Span]>),
@@ -22,20 +22,20 @@ pub(super) enum Order {
 
 /// An order on its way.
 #[derive(Clone, Debug)]
-pub(super) struct Asked {
+pub(super) struct NumberedOrder {
     /// Rising from order to order of a device.
     pub(super) number: u64,
     pub(super) output: u8,
     /// Orders of an epoch that is over are not carried out.
     pub(super) epoch: u64,
-    pub(super) order: Order,
+    pub(super) order: GeneratorOrder,
 }
 
 /// What the device did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Report {
+pub(super) enum GeneratorReport {
     /// The pulses of an order were sent.
-    Sent { number: u64, sent: Sent },
+    Sent { number: u64, sent: SentPulses },
     /// An order was not carried out: it was not wanted any more, or failed.
     Dropped { number: u64, output: u8, at: HostInstant },
     /// It was gone and is there again, at rest.
@@ -44,7 +44,7 @@ pub(super) enum Report {
 
 /// What board and thread share.
 #[derive(Debug, Default)]
-pub(super) struct Shared {
+pub(super) struct SharedGenerator {
     /// The epoch of the orders that are to be carried out.
     pub(super) epoch: AtomicU64,
     /// Times that rest was asked for, and the last of them that was carried out.
@@ -56,7 +56,7 @@ pub(super) struct Shared {
     pub(super) orders: Bell,
 }
 
-impl Shared {
+impl SharedGenerator {
     /// Asks for rest, behind which no order given before counts. The number of this request.
     pub(super) fn ask_rest(&self) -> u64 {
         // The order matters: whoever sees the request sees the epoch.
@@ -68,14 +68,14 @@ impl Shared {
 }
 
 /// The thread's side of a generator.
-pub(super) struct Device {
+pub(super) struct GeneratorThread {
     pub(super) generator: Option<Box<dyn Generator>>,
     /// Opens it guarded as before.
     pub(super) reopen: Reopen<dyn Generator>,
-    pub(super) shared: Arc<Shared>,
-    pub(super) asked: Consumer<Asked>,
+    pub(super) shared: Arc<SharedGenerator>,
+    pub(super) asked: Consumer<NumberedOrder>,
     /// Its limit is beside what a call emits, and for how long the device may go without being looked at.
-    pub(super) reporter: Reporter<Report>,
+    pub(super) reporter: Reporter<GeneratorReport>,
     /// A device that was gone is opened again.
     pub(super) reconnect: bool,
     /// The request for rest that was carried out.
@@ -84,7 +84,7 @@ pub(super) struct Device {
     pub(super) look: HostInstant,
 }
 
-impl Device {
+impl GeneratorThread {
     /// The thread.
     pub(super) fn run(mut self, realtime: Realtime) {
         // A refusal is reported once for all threads, by whoever set up the run.
@@ -129,26 +129,26 @@ impl Device {
         }
     }
 
-    fn carry_out(&mut self, asked: Asked) {
-        let Asked { number, output, epoch, order } = asked;
+    fn carry_out(&mut self, asked: NumberedOrder) {
+        let NumberedOrder { number, output, epoch, order } = asked;
         let wanted = epoch == self.shared.epoch.load(Ordering::Acquire);
         let done = match order {
             _ if !wanted => None,
-            Order::Level(high) => {
+            GeneratorOrder::Level(high) => {
                 self.call(Span::ZERO, |generator| generator.level(output, high)).map(|()| None)
             }
-            Order::Square { period, high } => {
+            GeneratorOrder::Square { period, high } => {
                 self.call(Span::ZERO, |generator| generator.square(output, period, high)).map(|()| None)
             }
-            Order::Pulses(edges) => {
+            GeneratorOrder::Pulses(edges) => {
                 let lasts = self.generator.as_ref().map_or(Span::ZERO, |generator| generator.lasts(&edges));
                 self.call(lasts, |generator| generator.pulses(output, &edges)).map(Some)
             }
         };
         let report = match done {
             Some(None) => return,
-            Some(Some(sent)) => Report::Sent { number, sent },
-            None => Report::Dropped { number, output, at: HostInstant::now() },
+            Some(Some(sent)) => GeneratorReport::Sent { number, sent },
+            None => GeneratorReport::Dropped { number, output, at: HostInstant::now() },
         };
         self.reporter.report(report);
     }
@@ -185,7 +185,7 @@ impl Device {
         if self.generator.is_some() {
             self.rested = rests;
             self.shared.rested.store(rests, Ordering::Release);
-            self.reporter.returned(Report::Returned { at: HostInstant::now() });
+            self.reporter.returned(GeneratorReport::Returned { at: HostInstant::now() });
             self.reporter.answer();
         }
     }

@@ -9,10 +9,10 @@ use rtrb::{Consumer, Producer};
 use rustix::io::Errno;
 use signal::{Span, Time, Value, When};
 
-use super::bits::{BitClock, Layout};
+use super::bits::{BitClock, BitLayout};
 use super::board::GeneratorSource;
-use super::device::{Asked, Device, Order, Report, Shared};
-use super::sent_edges::{AT_ONCE, Stream};
+use super::device::{GeneratorOrder, GeneratorReport, GeneratorThread, NumberedOrder, SharedGenerator};
+use super::sent_edges::{AT_ONCE, SentStream};
 use super::spec::GeneratorKind;
 use crate::board::{BoardError, Call};
 use crate::channel::{ChannelId, Emission};
@@ -28,24 +28,24 @@ const ORDERS: usize = 256;
 
 /// An output as the board knows it.
 #[derive(Debug)]
-pub(super) struct Known {
+pub(super) struct KnownOutput {
     pub(super) channel: ChannelId,
     pub(super) safe: bool,
     /// Its changes are reported.
     senses: bool,
     /// How its pulses become bits; `None` for one that emits waves and keeps levels.
-    stream: Option<(BitClock, Layout)>,
+    stream: Option<(BitClock, BitLayout)>,
     /// What it was asked to keep up.
-    wanted: Option<Order>,
+    wanted: Option<GeneratorOrder>,
 }
 
 /// A generator at work. Dropping it brings its outputs to rest and ends its thread.
 #[derive(Debug)]
 pub struct GeneratorHandle {
-    shared: Arc<Shared>,
-    asked: Producer<Asked>,
-    reports: Consumer<Report>,
-    outputs: Vec<Known>,
+    shared: Arc<SharedGenerator>,
+    asked: Producer<NumberedOrder>,
+    reports: Consumer<GeneratorReport>,
+    outputs: Vec<KnownOutput>,
     /// What messages call it.
     device: String,
     /// What it is, in a word.
@@ -55,7 +55,7 @@ pub struct GeneratorHandle {
     /// Pulses that were ordered and not reported yet, by the numbers of their orders.
     waiting: VecDeque<(u64, Arc<[Span]>)>,
     /// Those that were sent and are still to be reported.
-    sent: VecDeque<Stream>,
+    sent: VecDeque<SentStream>,
     thread: DeviceThread,
 }
 
@@ -68,11 +68,11 @@ impl GeneratorHandle {
         context: &BoardContext,
     ) -> std::io::Result<GeneratorHandle> {
         let GeneratorSource { generator, kind, outputs, reopen } = source;
-        let shared = Arc::<Shared>::default();
+        let shared = Arc::<SharedGenerator>::default();
         let (orders, asked) = rtrb::RingBuffer::new(ORDERS);
         let (reporter, mut thread, reports) = ends(ORDERS, &context.bell, limits.unresponsive_after);
         let of = generator.device().to_owned();
-        let device = Device {
+        let device = GeneratorThread {
             generator: Some(generator),
             reopen,
             shared: shared.clone(),
@@ -84,7 +84,7 @@ impl GeneratorHandle {
         };
         let realtime = context.realtime;
         thread.start(format!("emit {of}"), move || device.run(realtime))?;
-        let known = outputs.iter().map(|output| Known {
+        let known = outputs.iter().map(|output| KnownOutput {
             channel: output.channel,
             safe: output.safe,
             senses: senses(output.channel),
@@ -125,15 +125,19 @@ impl GeneratorHandle {
         self.shared.due.get()
     }
 
-    fn order(&mut self, place: usize, order: Order) -> Result<(), BoardError> {
+    fn order(&mut self, place: usize, order: GeneratorOrder) -> Result<(), BoardError> {
         self.number += 1;
         let pulses = match &order {
-            Order::Pulses(edges) => Some(edges.clone()),
+            GeneratorOrder::Pulses(edges) => Some(edges.clone()),
             _ => None,
         };
         let epoch = self.shared.epoch.load(Ordering::Acquire);
         let full = pulses.is_some() && self.waiting.len() >= ORDERS;
-        if full || self.asked.push(Asked { number: self.number, output: place as u8, epoch, order }).is_err()
+        if full
+            || self
+                .asked
+                .push(NumberedOrder { number: self.number, output: place as u8, epoch, order })
+                .is_err()
         {
             return Err(BoardError::Os { call: Call::Write, code: Errno::AGAIN.raw_os_error() });
         }
@@ -142,14 +146,14 @@ impl GeneratorHandle {
         Ok(())
     }
 
-    fn report(&mut self, report: Report, latched: bool, collector: &mut EventCollector<'_>) {
+    fn report(&mut self, report: GeneratorReport, latched: bool, collector: &mut EventCollector<'_>) {
         match report {
-            Report::Sent { number, sent } => {
+            GeneratorReport::Sent { number, sent } => {
                 if let Some(edges) = self.take(number) {
-                    self.sent.push_back(Stream::new(edges, sent));
+                    self.sent.push_back(SentStream::new(edges, sent));
                 }
             }
-            Report::Dropped { number, output, at } => {
+            GeneratorReport::Dropped { number, output, at } => {
                 // What was ordered before the start is of no interest.
                 let Some(known) = self.outputs.get(usize::from(output)) else { return };
                 let (channel, pulses) = (known.channel, known.stream.is_some());
@@ -160,7 +164,7 @@ impl GeneratorHandle {
                     collector.dropped(channel, collector.time.at(at), count);
                 }
             }
-            Report::Returned { at } => {
+            GeneratorReport::Returned { at } => {
                 let at = collector.time.at(at);
                 let channels = self.outputs.iter().map(|output| output.channel);
                 self.thread.report_return(at, channels, collector);
@@ -182,7 +186,8 @@ impl GeneratorHandle {
     }
 
     fn report_edges(&mut self, collector: &mut EventCollector<'_>) -> bool {
-        let Some(&Known { channel, senses, stream: Some((clock, layout)), .. }) = self.outputs.first() else {
+        let Some(&KnownOutput { channel, senses, stream: Some((clock, layout)), .. }) = self.outputs.first()
+        else {
             return false;
         };
         let mut left = if senses { AT_ONCE } else { 0 };
@@ -313,20 +318,20 @@ impl DeviceHandle for GeneratorHandle {
         }
         let before = match known.wanted {
             None => Some(known.safe),
-            Some(Order::Level(before)) => Some(before),
+            Some(GeneratorOrder::Level(before)) => Some(before),
             Some(_) => None,
         };
         if before == Some(high) {
             return Ok(());
         }
-        known.wanted = Some(Order::Level(high));
-        self.order(place, Order::Level(high))
+        known.wanted = Some(GeneratorOrder::Level(high));
+        self.order(place, GeneratorOrder::Level(high))
     }
 
     fn emit(&mut self, place: usize, emission: &Emission) -> Result<(), BoardError> {
         let order = match emission {
-            Emission::Square { period, high } => Order::Square { period: *period, high: *high },
-            Emission::Pulses(edges) => Order::Pulses(edges.clone()),
+            Emission::Square { period, high } => GeneratorOrder::Square { period: *period, high: *high },
+            Emission::Pulses(edges) => GeneratorOrder::Pulses(edges.clone()),
         };
         if let Some(known) = self.outputs.get_mut(place) {
             known.wanted = Some(order.clone()).filter(|_| known.stream.is_none());
@@ -344,9 +349,9 @@ impl Drop for GeneratorHandle {
     }
 }
 
-fn stamp_of(report: &Report) -> HostInstant {
+fn stamp_of(report: &GeneratorReport) -> HostInstant {
     match *report {
-        Report::Sent { sent, .. } => sent.after,
-        Report::Dropped { at, .. } | Report::Returned { at } => at,
+        GeneratorReport::Sent { sent, .. } => sent.after,
+        GeneratorReport::Dropped { at, .. } | GeneratorReport::Returned { at } => at,
     }
 }

@@ -14,7 +14,7 @@ mod sent_edges;
 mod spec;
 mod stream;
 
-pub use bits::{BitClock, Layout};
+pub use bits::{BitClock, BitLayout};
 pub use board::{GeneratorBoard, GeneratorSource, describe, look, open};
 pub use pwm::{Attribute, Attributes, FoundPwm, Pwm, PwmOutput, find};
 pub use spec::{FindPwm, GeneratorKind, GeneratorSpec, GeneratorsSpec, OutputSpec, PwmSpec, StreamSpec};
@@ -29,7 +29,7 @@ use crate::OutputClaim;
 
 /// When a stream of bits was on its line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Sent {
+pub struct SentPulses {
     /// The instants around the call that sent it: the earlier one.
     pub before: HostInstant,
     /// The later one.
@@ -65,7 +65,7 @@ pub trait Generator: Send + Debug {
     ///
     /// # Errors
     /// As [`Generator::rest`].
-    fn pulses(&mut self, output: u8, edges: &[Span]) -> io::Result<Sent>;
+    fn pulses(&mut self, output: u8, edges: &[Span]) -> io::Result<SentPulses>;
 
     /// How long [`Generator::pulses`] takes at least.
     fn lasts(&self, edges: &[Span]) -> Span;

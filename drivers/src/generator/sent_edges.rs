@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use signal::{Span, Time, When};
 
-use super::Sent;
-use super::bits::{BitClock, Layout};
+use super::SentPulses;
+use super::bits::{BitClock, BitLayout};
 use crate::event_collector::EventCollector;
 use crate::{ChannelId, Origin};
 
@@ -14,15 +14,15 @@ pub(super) const AT_ONCE: usize = 256;
 
 /// A stream whose edges are being reported.
 #[derive(Debug)]
-pub(super) struct Stream {
+pub(super) struct SentStream {
     edges: Arc<[Span]>,
     next: usize,
-    sent: Sent,
+    sent: SentPulses,
 }
 
-impl Stream {
-    pub(super) fn new(edges: Arc<[Span]>, sent: Sent) -> Stream {
-        Stream { edges, next: 0, sent }
+impl SentStream {
+    pub(super) fn new(edges: Arc<[Span]>, sent: SentPulses) -> SentStream {
+        SentStream { edges, next: 0, sent }
     }
 
     /// Whether all was reported.
@@ -37,7 +37,7 @@ impl Stream {
     pub(super) fn report(
         &mut self,
         clock: BitClock,
-        layout: Layout,
+        layout: BitLayout,
         channel: ChannelId,
         most: usize,
         collector: &mut EventCollector<'_>,
@@ -52,8 +52,8 @@ impl Stream {
         reported
     }
 
-    fn at(&self, clock: BitClock, layout: Layout, edge: Span, collector: &EventCollector<'_>) -> When {
-        let Sent { before, after, bits } = self.sent;
+    fn at(&self, clock: BitClock, layout: BitLayout, edge: Span, collector: &EventCollector<'_>) -> When {
+        let SentPulses { before, after, bits } = self.sent;
         let bit = layout.lead.saturating_add(clock.bit(edge));
         let earliest = before + Span::from_nanos(clock.lasts(bit));
         // In some modes a bit begins half a period earlier against its clock than in others.

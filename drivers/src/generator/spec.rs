@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use signal::Span;
 
-use super::bits::{BitClock, Layout};
+use super::bits::{BitClock, BitLayout};
 use crate::{ChannelId, PulseCapability};
 
 /// The generators of a board, and the channels behind their outputs.
@@ -85,8 +85,8 @@ pub struct StreamSpec {
 
 impl StreamSpec {
     /// How bits lie in its bytes, for an output that may be turned over.
-    pub fn layout(&self, inverted: bool) -> Layout {
-        Layout { lsb_first: self.lsb_first, inverted, lead: LEAD }
+    pub fn layout(&self, inverted: bool) -> BitLayout {
+        BitLayout { lsb_first: self.lsb_first, inverted, lead: LEAD }
     }
 
     /// Pulses of at least a bit each, for as long as the buffer lasts.

@@ -9,8 +9,8 @@ use rustix::io::Errno;
 use signal::Span;
 use spidev::{SpiModeFlags, Spidev, SpidevOptions, SpidevTransfer};
 
-use super::bits::{BitClock, Layout};
-use super::{Generator, OutputSpec, Sent, StreamSpec};
+use super::bits::{BitClock, BitLayout};
+use super::{Generator, OutputSpec, SentPulses, StreamSpec};
 use crate::OutputClaim;
 use crate::adc::spi;
 use crate::codes;
@@ -53,7 +53,7 @@ pub struct Stream {
     name: String,
     spi: Spidev,
     clock: BitClock,
-    layout: Layout,
+    layout: BitLayout,
     bytes: Vec<u8>,
 }
 
@@ -126,11 +126,11 @@ impl Stream {
     }
 
     /// Sends the first bytes of the buffer.
-    fn send(&mut self, used: usize) -> io::Result<Sent> {
+    fn send(&mut self, used: usize) -> io::Result<SentPulses> {
         let mut transfer = SpidevTransfer::write(&self.bytes[..used]);
         let before = HostInstant::now();
         self.spi.transfer(&mut transfer)?;
-        Ok(Sent { before, after: HostInstant::now(), bits: used as u64 * u64::from(WORD) })
+        Ok(SentPulses { before, after: HostInstant::now(), bits: used as u64 * u64::from(WORD) })
     }
 }
 
@@ -211,7 +211,7 @@ impl Generator for Stream {
         Err(Errno::OPNOTSUPP.into())
     }
 
-    fn pulses(&mut self, _output: u8, edges: &[Span]) -> io::Result<Sent> {
+    fn pulses(&mut self, _output: u8, edges: &[Span]) -> io::Result<SentPulses> {
         let used = self.layout.write(self.clock, edges, &mut self.bytes).ok_or(Errno::MSGSIZE)?;
         self.send(used)
     }

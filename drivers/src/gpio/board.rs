@@ -10,7 +10,7 @@ use signal::{Span, Time, Value};
 use super::find::find;
 use super::lines::Lines;
 use super::make::{Chip, Maker, Served};
-use super::port::Port;
+use super::port::GpioPort;
 use super::reconnect::{Reconnected, Reconnector};
 use super::{FoundChip, GpioSpec};
 use crate::channel_table::ChannelTable;
@@ -75,7 +75,7 @@ impl GpioBoard {
         limits: DeviceLimits,
         context: &BoardContext,
         found: FoundChip,
-        port: Arc<dyn Port>,
+        port: Arc<dyn GpioPort>,
     ) -> std::io::Result<GpioBoard> {
         let mut board = GpioBoard::without_chips(table, spec, limits, context);
         let chip = board.maker.work(found, port)?;
@@ -94,7 +94,7 @@ impl GpioBoard {
         limits: DeviceLimits,
         context: &BoardContext,
         found: FoundChip,
-        port: Arc<dyn Port>,
+        port: Arc<dyn GpioPort>,
     ) -> std::io::Result<(GpioBoard, Served)> {
         let mut board = GpioBoard::without_chips(table, spec, limits, context);
         let (chip, served) = board.maker.prepare(found, port)?;

@@ -9,14 +9,14 @@ use rtrb::{Consumer, Producer};
 use rustix::event::{EventfdFlags, Timespec, eventfd};
 use signal::Span;
 
-use super::device::{Device, Image, Report, device};
+use super::device::{ChipReport, ChipThread, Image, device};
 use super::edges::{Edges, Note, edges};
-use super::pace::Pace;
-use super::port::Port;
+use super::pace::PulsePace;
+use super::port::GpioPort;
 
 /// What board and threads of a chip share.
 #[derive(Debug)]
-pub(super) struct Shared {
+pub(super) struct SharedChip {
     /// Outputs stay safe, whatever is asked.
     pub(super) latched: AtomicBool,
     /// The latch that the device has carried out: none, or the number of it.
@@ -57,9 +57,9 @@ pub(super) struct Shared {
     pub(super) answer: Bell,
 }
 
-impl Shared {
-    pub(super) fn new() -> Shared {
-        Shared {
+impl SharedChip {
+    pub(super) fn new() -> SharedChip {
+        SharedChip {
             latched: AtomicBool::new(true),
             made_safe: AtomicU64::new(0),
             wanted_safe: AtomicU64::new(0),
@@ -118,9 +118,9 @@ impl Shared {
 /// The board's side of a chip at work. Dropping it ends the threads; outputs are left safe.
 #[derive(Debug)]
 pub(super) struct ChipWorker {
-    pub(super) shared: Arc<Shared>,
+    pub(super) shared: Arc<SharedChip>,
     pub(super) images: Producer<Image>,
-    pub(super) reports: Consumer<Report>,
+    pub(super) reports: Consumer<ChipReport>,
     pub(super) notes: Consumer<Note>,
     end: Arc<OwnedFd>,
     /// How long the end of a call is waited for.
@@ -131,13 +131,13 @@ pub(super) struct ChipWorker {
 impl ChipWorker {
     /// A chip whose threads are still to be started.
     pub(super) fn new(
-        port: Arc<dyn Port>,
+        port: Arc<dyn GpioPort>,
         safe: u64,
-        pace: Pace,
+        pace: PulsePace,
         bell: &Arc<Bell>,
         unresponsive_after: Span,
-    ) -> std::io::Result<(ChipWorker, Device, Edges)> {
-        let shared = Arc::new(Shared::new());
+    ) -> std::io::Result<(ChipWorker, ChipThread, Edges)> {
+        let shared = Arc::new(SharedChip::new());
         let (device, images, reports) =
             device(port.clone(), shared.clone(), bell.clone(), safe, pace, unresponsive_after);
         let end = Arc::new(eventfd(0, EventfdFlags::CLOEXEC)?);
@@ -158,7 +158,7 @@ impl ChipWorker {
     pub(super) fn start(
         &mut self,
         name: &str,
-        device: Device,
+        device: ChipThread,
         edges: Edges,
         realtime: Realtime,
     ) -> std::io::Result<()> {
@@ -202,7 +202,7 @@ impl Drop for ChipWorker {
 }
 
 /// What a port's edges come from.
-pub(super) fn sources(port: &dyn Port) -> impl Iterator<Item = BorrowedFd<'_>> {
+pub(super) fn sources(port: &dyn GpioPort) -> impl Iterator<Item = BorrowedFd<'_>> {
     (0..).map_while(|number| port.source(number))
 }
 

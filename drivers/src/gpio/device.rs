@@ -8,9 +8,9 @@ use rtrb::{Consumer, Producer};
 use rustix::event::{PollFd, PollFlags, poll};
 use signal::Span;
 
-use super::chip::{Shared, sources, timespec};
-use super::pace::Pace;
-use super::port::{Levels, Port};
+use super::chip::{SharedChip, sources, timespec};
+use super::pace::PulsePace;
+use super::port::{GpioPort, LineLevels};
 
 /// Images on their way to the device, and its reports on their way back.
 const TURNS: usize = 1_024;
@@ -25,7 +25,7 @@ pub(super) struct Image {
 
 /// What the device did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Report {
+pub(super) enum ChipReport {
     /// It was driven: between these stamps all outputs took these levels.
     Set { before: HostInstant, after: HostInstant, bits: u64 },
     /// Changes of an output that were asked for and taken back before the device came to them.
@@ -33,16 +33,16 @@ pub(super) enum Report {
     /// An input has had this level for a while, and no edge reported it.
     Strayed { input: u8, high: bool, at: HostInstant },
     /// It was driven safe and all its inputs were read, for this start.
-    Started { start: u64, before: HostInstant, after: HostInstant, bits: u64, levels: Levels },
+    Started { start: u64, before: HostInstant, after: HostInstant, bits: u64, levels: LineLevels },
 }
 
 /// The device thread's side of a chip: drives the newest image and reads the levels.
 #[derive(Debug)]
-pub(super) struct Device {
-    port: Arc<dyn Port>,
-    shared: Arc<Shared>,
+pub(super) struct ChipThread {
+    port: Arc<dyn GpioPort>,
+    shared: Arc<SharedChip>,
     images: Consumer<Image>,
-    reports: Producer<Report>,
+    reports: Producer<ChipReport>,
     /// Is rung when there is something to report.
     bell: Arc<Bell>,
     safe: u64,
@@ -51,7 +51,7 @@ pub(super) struct Device {
     /// The newest image that was asked for and may be driven.
     asked: u64,
     /// Keeps pulses apart.
-    pace: Pace,
+    pace: PulsePace,
     started: u64,
     /// How long it may be left alone, and how long an edge may take to arrive.
     idle: Span,
@@ -64,7 +64,7 @@ pub(super) struct Device {
     unrung: bool,
 }
 
-impl Device {
+impl ChipThread {
     /// The thread.
     pub(super) fn run(mut self, realtime: Realtime) {
         // A refusal is reported once for all threads, by whoever set up the run.
@@ -160,7 +160,7 @@ impl Device {
                 if let Some((flips, asked)) = pulses {
                     self.pace.drove(flips, asked, after);
                 }
-                self.report(Report::Set { before, after, bits });
+                self.report(ChipReport::Set { before, after, bits });
             }
             Err(error) => {
                 self.driven = None;
@@ -180,7 +180,7 @@ impl Device {
     fn swallowed(&mut self, lines: u64) {
         let at = HostInstant::now();
         for output in (0..64).filter(|output| lines >> output & 1 == 1) {
-            self.report(Report::Swallowed { output, count: 2, at });
+            self.report(ChipReport::Swallowed { output, count: 2, at });
         }
     }
 
@@ -195,7 +195,7 @@ impl Device {
     }
 
     /// What the inputs read must be what their edges reported, or an edge never came.
-    fn compare(&mut self, levels: Levels) {
+    fn compare(&mut self, levels: LineLevels) {
         let mut touched = 0;
         if self.shared.touched.load(Ordering::Relaxed) != 0 {
             touched = self.shared.touched.swap(0, Ordering::AcqRel);
@@ -216,7 +216,7 @@ impl Device {
             } else if now - self.since[place] >= self.idle && !self.coming() {
                 self.levels ^= bit;
                 self.astray &= !bit;
-                self.report(Report::Strayed { input, high: levels.bits & bit != 0, at: now });
+                self.report(ChipReport::Strayed { input, high: levels.bits & bit != 0, at: now });
             }
         }
     }
@@ -240,7 +240,7 @@ impl Device {
                 self.driven = Some(self.safe);
                 self.levels = levels.bits;
                 let bits = self.safe;
-                self.report(Report::Started { start, before, after, bits, levels });
+                self.report(ChipReport::Started { start, before, after, bits, levels });
             }
             Err(error) => {
                 self.driven = None;
@@ -263,7 +263,7 @@ impl Device {
             || self.shared.touched.load(Ordering::Acquire) != 0
     }
 
-    fn report(&mut self, report: Report) {
+    fn report(&mut self, report: ChipReport) {
         self.unrung = true;
         if self.reports.push(report).is_err() {
             self.shared.unreported.fetch_add(1, Ordering::Relaxed);
@@ -278,16 +278,16 @@ impl Device {
 
 /// The device's side of a chip, and the ends of the queues to and from it.
 pub(super) fn device(
-    port: Arc<dyn Port>,
-    shared: Arc<Shared>,
+    port: Arc<dyn GpioPort>,
+    shared: Arc<SharedChip>,
     bell: Arc<Bell>,
     safe: u64,
-    pace: Pace,
+    pace: PulsePace,
     idle: Span,
-) -> (Device, Producer<Image>, Consumer<Report>) {
+) -> (ChipThread, Producer<Image>, Consumer<ChipReport>) {
     let (images, asked) = rtrb::RingBuffer::new(TURNS);
     let (reports, reported) = rtrb::RingBuffer::new(TURNS);
-    let device = Device {
+    let device = ChipThread {
         port,
         shared,
         images: asked,

@@ -10,8 +10,8 @@ use rustix::event::{PollFd, PollFlags, poll};
 use rustix::io::Errno;
 use signal::Span;
 
-use super::chip::{Shared, sources, timespec};
-use super::port::{Edge, Port};
+use super::chip::{SharedChip, sources, timespec};
+use super::port::{Edge, GpioPort};
 use super::track::{Lost, Tracker};
 
 /// Notes of edges on their way to the board.
@@ -35,8 +35,8 @@ pub(super) struct Note {
 /// The edge thread's side of a chip.
 #[derive(Debug)]
 pub(super) struct Edges {
-    port: Arc<dyn Port>,
-    shared: Arc<Shared>,
+    port: Arc<dyn GpioPort>,
+    shared: Arc<SharedChip>,
     notes: Producer<Note>,
     bell: Arc<Bell>,
     tracker: Tracker,
@@ -157,7 +157,7 @@ fn given_up(gap: Lost, now: HostInstant) -> Note {
 }
 
 /// Hands on a note; one that finds no room is counted.
-fn give(notes: &mut Producer<Note>, shared: &Shared, note: Note) {
+fn give(notes: &mut Producer<Note>, shared: &SharedChip, note: Note) {
     if notes.push(note).is_err() {
         let count = note.lost.saturating_add(u32::from(note.high.is_some()));
         shared.spilled[usize::from(note.input) % 64].fetch_add(count, Ordering::Relaxed);
@@ -167,8 +167,8 @@ fn give(notes: &mut Producer<Note>, shared: &Shared, note: Note) {
 
 /// The edge thread's side of a chip, and the board's end of its queue. `end` is readable when the thread is to stop.
 pub(super) fn edges(
-    port: Arc<dyn Port>,
-    shared: Arc<Shared>,
+    port: Arc<dyn GpioPort>,
+    shared: Arc<SharedChip>,
     bell: Arc<Bell>,
     end: Arc<OwnedFd>,
 ) -> (Edges, Consumer<Note>) {

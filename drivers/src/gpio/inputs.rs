@@ -4,7 +4,7 @@ use host::HostInstant;
 use signal::{Span, Time, When};
 
 use super::edges::Note;
-use super::port::Levels;
+use super::port::LineLevels;
 use crate::event_collector::EventCollector;
 use crate::{ChannelId, Origin};
 
@@ -70,7 +70,7 @@ impl Inputs {
     }
 
     /// A run begins with these levels, read from `began` on; edges up to `surveyed` may tell of what was read.
-    pub(super) fn start(&mut self, levels: Levels, began: HostInstant, surveyed: HostInstant) {
+    pub(super) fn start(&mut self, levels: LineLevels, began: HostInstant, surveyed: HostInstant) {
         (self.levels, self.fresh, self.strayed) = (levels.bits, levels.known, 0);
         (self.began, self.surveyed) = (began, surveyed);
     }

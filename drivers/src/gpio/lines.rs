@@ -6,8 +6,8 @@ use std::sync::atomic::Ordering;
 use host::HostInstant;
 use signal::{Span, Time, When};
 
-use super::chip::{ChipWorker, Shared};
-use super::device::{Image, Report};
+use super::chip::{ChipWorker, SharedChip};
+use super::device::{ChipReport, Image};
 use super::inputs::Inputs;
 use crate::event_collector::EventCollector;
 use crate::{BoardError, BoardEvent, ChannelId, LossReason, Origin};
@@ -30,7 +30,7 @@ pub(super) struct Masks {
 /// A chip and what is known of its lines. Bits are places in its claim.
 #[derive(Debug)]
 pub(super) struct Lines {
-    pub(super) shared: Arc<Shared>,
+    pub(super) shared: Arc<SharedChip>,
     pub(super) running: ChipWorker,
     /// The channel of each output.
     pub(super) drives: Vec<ChannelId>,
@@ -98,7 +98,9 @@ impl Lines {
     pub(super) fn await_start(&mut self, start: u64, due: HostInstant) -> bool {
         loop {
             while let Ok(report) = self.running.reports.pop() {
-                let Report::Started { start: done, before, after, bits, levels } = report else { continue };
+                let ChipReport::Started { start: done, before, after, bits, levels } = report else {
+                    continue;
+                };
                 if done != start {
                     continue;
                 }
@@ -248,9 +250,9 @@ impl Lines {
         chunk.commit(taken);
     }
 
-    fn report(&mut self, report: Report, collector: &mut EventCollector<'_>) {
+    fn report(&mut self, report: ChipReport, collector: &mut EventCollector<'_>) {
         match report {
-            Report::Set { before, after, bits } => {
+            ChipReport::Set { before, after, bits } => {
                 let at = When::within(collector.time.at(before), collector.time.at(after));
                 let mut flips = (bits ^ self.driven) & !self.masks.double & !self.masks.unseen;
                 self.driven = bits;
@@ -262,14 +264,14 @@ impl Lines {
                     }
                 }
             }
-            Report::Swallowed { output, count, at } => {
+            ChipReport::Swallowed { output, count, at } => {
                 if let Some(channel) = self.drives.get(usize::from(output)) {
                     collector.dropped(*channel, collector.time.at(at), count);
                 }
             }
-            Report::Strayed { input, high, at } => self.inputs.stray(input, high, at, collector),
+            ChipReport::Strayed { input, high, at } => self.inputs.stray(input, high, at, collector),
             // Was waited for.
-            Report::Started { .. } => {}
+            ChipReport::Started { .. } => {}
         }
     }
 
@@ -364,9 +366,9 @@ impl Lines {
     }
 }
 
-fn stamp_of(report: &Report) -> HostInstant {
+fn stamp_of(report: &ChipReport) -> HostInstant {
     match *report {
-        Report::Set { after, .. } | Report::Started { after, .. } => after,
-        Report::Swallowed { at, .. } | Report::Strayed { at, .. } => at,
+        ChipReport::Set { after, .. } | ChipReport::Started { after, .. } => after,
+        ChipReport::Swallowed { at, .. } | ChipReport::Strayed { at, .. } => at,
     }
 }

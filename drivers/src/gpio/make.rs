@@ -6,13 +6,13 @@ use rustix::io::Errno;
 use signal::Span;
 
 use super::chip::ChipWorker;
-use super::device::Device;
+use super::device::ChipThread;
 use super::edges::Edges;
 use super::find::{device, refused};
 use super::inputs::{Input, Inputs};
 use super::lines::{Lines, Masks};
-use super::pace::Pace;
-use super::port::Port;
+use super::pace::PulsePace;
+use super::port::GpioPort;
 use super::v1::PortV1;
 use super::v2::PortV2;
 use super::{Backend, Drive, Edge, FoundChip, GpioError, GpioSpec};
@@ -27,7 +27,7 @@ const TICKS: Span = Span::from_millis(20);
 /// What the threads of a chip do, for somebody who does it in their place.
 #[derive(Debug)]
 pub struct Served {
-    device: Device,
+    device: ChipThread,
     edges: Edges,
 }
 
@@ -50,7 +50,7 @@ pub(super) struct Chip {
     pub(super) spec: usize,
     /// What messages call it.
     pub(super) device: String,
-    pub(super) port: Arc<dyn Port>,
+    pub(super) port: Arc<dyn GpioPort>,
     pub(super) lines: Lines,
 }
 
@@ -84,11 +84,11 @@ impl Maker {
     /// Why they cannot be had.
     pub(super) fn claim(&mut self, found: FoundChip) -> Result<Chip, Refusal> {
         let path = &found.info.path;
-        let claimed: Result<Arc<dyn Port>, GpioError> = match found.backend {
+        let claimed: Result<Arc<dyn GpioPort>, GpioError> = match found.backend {
             Backend::V2 => PortV2::claim(path, &self.spec.consumer, &found.claim)
-                .map(|port| Arc::new(port) as Arc<dyn Port>),
+                .map(|port| Arc::new(port) as Arc<dyn GpioPort>),
             Backend::V1 => PortV1::claim(path, &self.spec.consumer, &found.claim)
-                .map(|port| Arc::new(port) as Arc<dyn Port>),
+                .map(|port| Arc::new(port) as Arc<dyn GpioPort>),
         };
         let port = claimed.map_err(|error| not_claimed(&found, &error))?;
         self.work(found, port).map_err(|error| {
@@ -97,7 +97,7 @@ impl Maker {
         })
     }
 
-    pub(super) fn work(&mut self, found: FoundChip, port: Arc<dyn Port>) -> std::io::Result<Chip> {
+    pub(super) fn work(&mut self, found: FoundChip, port: Arc<dyn GpioPort>) -> std::io::Result<Chip> {
         let name = found.info.name.clone();
         let (mut chip, Served { device, edges }) = self.prepare(found, port)?;
         chip.lines.running.start(&name, device, edges, self.context.realtime)?;
@@ -107,7 +107,7 @@ impl Maker {
     pub(super) fn prepare(
         &mut self,
         found: FoundChip,
-        port: Arc<dyn Port>,
+        port: Arc<dyn GpioPort>,
     ) -> std::io::Result<(Chip, Served)> {
         let outputs = || found.claim.outputs.iter().enumerate();
         let safe = outputs().fold(0u64, |bits, (place, line)| bits | u64::from(line.safe) << place);
@@ -133,7 +133,7 @@ impl Maker {
         };
         let double = masked(&|channel| found.senses.contains(channel));
         let promised = |channel: &ChannelId| self.channels[usize::from(channel.0)].max_pulse_hz;
-        let pace = Pace::new(found.drives.iter().map(promised));
+        let pace = PulsePace::new(found.drives.iter().map(promised));
         let unseen = masked(&|channel| !senses(channel));
         let masks = Masks { safe, released, double, unseen, timed: pace.timed() };
         let inputs = found.senses.iter().map(|channel| Input {

@@ -25,7 +25,7 @@ pub use error::{GpioCall, GpioError};
 pub use find::{FoundChip, devices, find, uses};
 pub use info::{Backend, Bias, ChipInfo, Direction, Drive, LineInfo, list, look};
 pub use make::Served;
-pub use port::{Claim, Edge, Levels, Port, Wanted};
+pub use port::{Claim, Edge, GpioPort, LineLevels, Wanted};
 pub use spec::{ChipSpec, FindChip, FindLine, GpioSpec, LineSpec, MAX_CONSUMER, MAX_LINES, NamedLine};
 
 use crate::channel_table::ChannelTable;

@@ -16,7 +16,7 @@ const LONGEST: Span = Span::from_millis(1);
 
 /// When the outputs of a chip that carry pulses may turn.
 #[derive(Debug)]
-pub(super) struct Pace {
+pub(super) struct PulsePace {
     /// Outputs that carry pulses.
     timed: u64,
     /// The shortest level of each.
@@ -27,11 +27,11 @@ pub(super) struct Pace {
     last: Option<(HostInstant, HostInstant)>,
 }
 
-impl Pace {
+impl PulsePace {
     /// For outputs that promise pulses of so many Hz, by place; 0 for none.
-    pub(super) fn new(promises: impl Iterator<Item = u64>) -> Pace {
+    pub(super) fn new(promises: impl Iterator<Item = u64>) -> PulsePace {
         let mut pace =
-            Pace { timed: 0, shortest: [Span::ZERO; 64], since: [HostInstant::BOOT; 64], last: None };
+            PulsePace { timed: 0, shortest: [Span::ZERO; 64], since: [HostInstant::BOOT; 64], last: None };
         for (place, hz) in promises.take(64).enumerate().filter(|(_, hz)| *hz > 0) {
             pace.timed |= 1 << place;
             let quarter = Span::from_nanos(1_000_000_000 / i64::try_from(hz).unwrap_or(i64::MAX) / 4);
@@ -97,8 +97,8 @@ mod tests {
     }
 
     /// 1 kHz on A and B, nothing promised of the others.
-    fn pace() -> Pace {
-        Pace::new((0..64).map(|place| if place == 0 || place == 63 { 1_000 } else { 0 }))
+    fn pace() -> PulsePace {
+        PulsePace::new((0..64).map(|place| if place == 0 || place == 63 { 1_000 } else { 0 }))
     }
 
     #[test]

@@ -36,7 +36,7 @@ pub struct Claim {
 
 /// Levels of inputs, by their place in the claim.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Levels {
+pub struct LineLevels {
     /// Bit 0 is the first input.
     pub bits: u64,
     /// The inputs that were read.
@@ -56,8 +56,8 @@ pub struct Edge {
     pub numbers: Option<(u32, u32)>,
 }
 
-/// Claimed lines of a chip. Calls may come from several threads at once; none allocates but [`Port::output_claims`].
-pub trait Port: Send + Sync + fmt::Debug {
+/// Claimed lines of a chip. Calls may come from several threads at once; none allocates but [`GpioPort::output_claims`].
+pub trait GpioPort: Send + Sync + fmt::Debug {
     /// The interface behind it.
     fn backend(&self) -> Backend;
 
@@ -70,14 +70,14 @@ pub trait Port: Send + Sync + fmt::Debug {
     /// Reads inputs, in one call: all of them, or as many as one call can read, others the next time.
     ///
     /// # Errors
-    /// As [`Port::set`].
-    fn get(&self) -> io::Result<Levels>;
+    /// As [`GpioPort::set`].
+    fn get(&self) -> io::Result<LineLevels>;
 
     /// Reads all inputs, in as many calls as that takes.
     ///
     /// # Errors
-    /// As [`Port::set`].
-    fn survey(&self) -> io::Result<Levels>;
+    /// As [`GpioPort::set`].
+    fn survey(&self) -> io::Result<LineLevels>;
 
     /// What to wait on for edges, by number from 0; `None` behind the last.
     fn source(&self, number: usize) -> Option<BorrowedFd<'_>>;
@@ -85,7 +85,7 @@ pub trait Port: Send + Sync + fmt::Debug {
     /// Appends edges that a source has ready, at most as many as fit into `out` as it is. Waits where it has none.
     ///
     /// # Errors
-    /// As [`Port::set`].
+    /// As [`GpioPort::set`].
     fn edges(&self, source: usize, out: &mut Vec<Edge>) -> io::Result<()>;
 
     /// A claim of its own on the outputs, for whoever makes them safe when the rig cannot.

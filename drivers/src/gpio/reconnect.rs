@@ -9,7 +9,7 @@ use host::{Bell, HostInstant};
 use rtrb::{Consumer, Producer, RingBuffer};
 use signal::Span;
 
-use super::chip::Shared;
+use super::chip::SharedChip;
 use super::find::find_again;
 use super::make::{Chip, Maker};
 use crate::run_state::START;
@@ -59,7 +59,7 @@ struct Search {
 struct Known {
     spec: usize,
     device: String,
-    shared: Arc<Shared>,
+    shared: Arc<SharedChip>,
 }
 
 impl Known {

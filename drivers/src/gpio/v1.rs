@@ -11,7 +11,7 @@ use gpiocdev_uapi::v1::{self, LineEdgeEvent, LineEdgeEventKind, LineValues};
 use host::HostInstant;
 
 use super::error::uapi;
-use super::port::{Claim, Edge, Levels, Port, Wanted};
+use super::port::{Claim, Edge, GpioPort, LineLevels, Wanted};
 use super::{Backend, Bias, Drive, GpioCall, GpioError};
 use crate::{LineApi, OutputClaim};
 
@@ -134,7 +134,7 @@ fn pull(bias: Option<Bias>) -> LineRequestFlags {
     })
 }
 
-impl Port for PortV1 {
+impl GpioPort for PortV1 {
     fn backend(&self) -> Backend {
         Backend::V1
     }
@@ -153,19 +153,21 @@ impl Port for PortV1 {
         outcome
     }
 
-    fn get(&self) -> io::Result<Levels> {
+    fn get(&self) -> io::Result<LineLevels> {
         if self.inputs.is_empty() {
             // Whether the chip is still there shows all the same.
-            let Some(group) = self.outputs.first() else { return Ok(Levels::default()) };
+            let Some(group) = self.outputs.first() else { return Ok(LineLevels::default()) };
             let mut values = LineValues::default();
-            return v1::get_line_values(&group.claim, &mut values).map_err(uapi).map(|()| Levels::default());
+            return v1::get_line_values(&group.claim, &mut values)
+                .map_err(uapi)
+                .map(|()| LineLevels::default());
         }
         let input = self.next.fetch_add(1, Ordering::Relaxed) % self.inputs.len();
-        Ok(Levels { bits: self.read(input)?, known: 1 << input })
+        Ok(LineLevels { bits: self.read(input)?, known: 1 << input })
     }
 
-    fn survey(&self) -> io::Result<Levels> {
-        let mut levels = Levels::default();
+    fn survey(&self) -> io::Result<LineLevels> {
+        let mut levels = LineLevels::default();
         for input in 0..self.inputs.len() {
             levels.bits |= self.read(input)?;
             levels.known |= 1 << input;

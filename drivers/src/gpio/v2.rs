@@ -11,7 +11,7 @@ use gpiocdev_uapi::v2::{self, LineEdgeEvent, LineEdgeEventKind, LineValues};
 use host::HostInstant;
 
 use super::error::uapi;
-use super::port::{Claim, Edge, Levels, Port, Wanted};
+use super::port::{Claim, Edge, GpioPort, LineLevels, Wanted};
 use super::{Backend, Bias, Drive, GpioCall, GpioError};
 use crate::{LineApi, OutputClaim};
 
@@ -144,7 +144,7 @@ fn common(builder: &mut gpiocdev::request::Builder, line: &Wanted) {
     }));
 }
 
-impl Port for PortV2 {
+impl GpioPort for PortV2 {
     fn backend(&self) -> Backend {
         Backend::V2
     }
@@ -155,22 +155,22 @@ impl Port for PortV2 {
         v2::set_line_values(outputs, &values).map_err(uapi)
     }
 
-    fn get(&self) -> io::Result<Levels> {
+    fn get(&self) -> io::Result<LineLevels> {
         let Some(inputs) = &self.inputs else {
             // Whether the chip is still there shows all the same.
-            let Some(outputs) = &self.outputs else { return Ok(Levels::default()) };
+            let Some(outputs) = &self.outputs else { return Ok(LineLevels::default()) };
             let mut values = LineValues { bits: 0, mask: self.drive.mask };
-            return v2::get_line_values(outputs, &mut values).map_err(uapi).map(|()| Levels::default());
+            return v2::get_line_values(outputs, &mut values).map_err(uapi).map(|()| LineLevels::default());
         };
         let mut values = LineValues { bits: 0, mask: self.sense.mask };
         v2::get_line_values(inputs, &mut values).map_err(uapi)?;
         Ok(match self.numbers.len() {
-            1 => Levels { bits: u64::from(values.bits & self.sense.mask != 0), known: 1 },
-            _ => Levels { bits: values.bits & self.sense.mask, known: self.sense.mask },
+            1 => LineLevels { bits: u64::from(values.bits & self.sense.mask != 0), known: 1 },
+            _ => LineLevels { bits: values.bits & self.sense.mask, known: self.sense.mask },
         })
     }
 
-    fn survey(&self) -> io::Result<Levels> {
+    fn survey(&self) -> io::Result<LineLevels> {
         self.get()
     }
 

@@ -53,14 +53,14 @@ pub(super) enum Event {
 
 /// An event, and the run that it belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Report {
+pub(super) struct SerialReport {
     pub(super) run: u64,
     pub(super) event: Event,
 }
 
 /// What is to be sent: characters, or a break.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Order {
+pub(super) struct SerialOrder {
     /// The run that it belongs to.
     run: u64,
     data: [u8; MAX_SERIAL_DATA],
@@ -70,17 +70,22 @@ pub(super) struct Order {
     lasts: Span,
 }
 
-impl Order {
+impl SerialOrder {
     /// `None` for what a port cannot do: gaps between characters, and characters that are wrong on purpose.
-    pub(super) fn of(run: u64, output: &SerialOutput) -> Option<Order> {
+    pub(super) fn of(run: u64, output: &SerialOutput) -> Option<SerialOrder> {
         let mut bytes = [0; MAX_SERIAL_DATA];
         match output {
             SerialOutput::Characters { data, gap: Span::ZERO, flaw: None } if !data.is_empty() => {
                 bytes.get_mut(..data.len())?.copy_from_slice(data);
-                Some(Order { run, data: bytes, len: u16::try_from(data.len()).ok()?, lasts: Span::ZERO })
+                Some(SerialOrder {
+                    run,
+                    data: bytes,
+                    len: u16::try_from(data.len()).ok()?,
+                    lasts: Span::ZERO,
+                })
             }
             SerialOutput::Break(lasts) if *lasts > Span::ZERO => {
-                Some(Order { run, data: bytes, len: 0, lasts: *lasts })
+                Some(SerialOrder { run, data: bytes, len: 0, lasts: *lasts })
             }
             SerialOutput::Characters { .. } | SerialOutput::Break(_) => None,
         }
@@ -102,7 +107,7 @@ impl Order {
 
 /// What board and thread share.
 #[derive(Debug, Default)]
-pub(super) struct Shared {
+pub(super) struct SharedPort {
     /// Since when a call is under way, if one is.
     pub(super) in_call: Arc<AtomicInstant>,
     /// The run that was asked for last.
@@ -116,7 +121,7 @@ pub(super) struct Shared {
     pub(super) wake: Notify,
 }
 
-impl Shared {
+impl SharedPort {
     /// Has the thread look at what is asked; the number of this request.
     pub(super) fn ask(&self) -> u64 {
         let request = self.asked.fetch_add(1, Ordering::AcqRel) + 1;
@@ -131,14 +136,14 @@ impl Shared {
 }
 
 /// The thread's side of a port.
-pub(super) struct Device {
+pub(super) struct SerialThread {
     pub(super) spec: PortSpec,
     /// What the port was when it was opened.
     pub(super) identity: Option<Identity>,
     pub(super) timing: MessageTiming,
-    pub(super) shared: Arc<Shared>,
-    pub(super) orders: Consumer<Order>,
-    pub(super) reporter: Reporter<Report>,
+    pub(super) shared: Arc<SharedPort>,
+    pub(super) orders: Consumer<SerialOrder>,
+    pub(super) reporter: Reporter<SerialReport>,
     /// A port that was gone is opened again.
     pub(super) reconnect: bool,
     /// How the thread runs while it has a port.
@@ -153,7 +158,7 @@ enum Over {
     Gone(SerialError),
 }
 
-impl Device {
+impl SerialThread {
     /// The thread.
     pub(super) fn run(mut self, runtime: &Runtime, port: SerialPort) {
         runtime.block_on(self.serve(port));
@@ -180,7 +185,7 @@ impl Device {
             held = self.look_again().await;
             if held.is_some() {
                 let event = Event::Returned { at: HostInstant::now() };
-                self.reporter.returned(Report { run: self.run, event });
+                self.reporter.returned(SerialReport { run: self.run, event });
                 self.reporter.ring();
                 self.reporter.answer();
             }
@@ -239,10 +244,10 @@ impl Device {
         received: &mut Received,
     ) -> Result<(), SerialError> {
         let outcome = {
-            let Device { shared, reporter, run, .. } = self;
+            let SerialThread { shared, reporter, run, .. } = self;
             let (line, run) = (*port.line(), *run);
             let report = |message: &ReceivedMessage| {
-                reporter.report(Report { run, event: as_received(message, &line) });
+                reporter.report(SerialReport { run, event: as_received(message, &line) });
             };
             let mut woken = pin!(shared.wake.notified());
             let mut messages = pin!(port.messages(assembler, HostInstant::NEVER, received, report));
@@ -258,7 +263,7 @@ impl Device {
 
     /// Sends, and reports when that was done. What comes meanwhile waits in the kernel. Nothing of an output that its run
     /// does not want any more, or that was not sent in time, is left in the kernel.
-    async fn send(&mut self, port: &mut SerialPort, order: &Order) -> Result<(), SerialError> {
+    async fn send(&mut self, port: &mut SerialPort, order: &SerialOrder) -> Result<(), SerialError> {
         let begun = HostInstant::now();
         let lasts = order.lasts_on(port.line());
         let sent = match self.put_out(port, order, begun + lasts + lasts + PATIENCE).await {
@@ -282,7 +287,7 @@ impl Device {
                 Event::NotSent { at: HostInstant::now() }
             }
         };
-        self.reporter.report(Report { run: order.run, event });
+        self.reporter.report(SerialReport { run: order.run, event });
         self.reporter.ring();
         Ok(())
     }
@@ -291,7 +296,7 @@ impl Device {
     async fn put_out(
         &self,
         port: &mut SerialPort,
-        order: &Order,
+        order: &SerialOrder,
         until: HostInstant,
     ) -> Option<Result<(HostInstant, HostInstant), SerialError>> {
         let mut sending = pin!(output(port, order, until));
@@ -337,7 +342,7 @@ impl Device {
 /// Sends an order. When its last bit left the port: not before, and by then.
 async fn output(
     port: &mut SerialPort,
-    order: &Order,
+    order: &SerialOrder,
     until: HostInstant,
 ) -> Result<(HostInstant, HostInstant), SerialError> {
     if order.is_break() {

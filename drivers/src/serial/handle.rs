@@ -10,7 +10,7 @@ use signal::{SerialOutput, Time, When};
 use tokio::runtime::Builder;
 
 use super::assembler::MessageTiming;
-use super::device::{Device, Event, Order, Report, Shared};
+use super::device::{Event, SerialOrder, SerialReport, SerialThread, SharedPort};
 use super::find::Identity;
 use super::open::refused;
 use super::{SerialPort, SerialSpec};
@@ -29,9 +29,9 @@ pub(super) struct SerialHandle {
     pub(super) bus: BusId,
     /// Its port, as messages name it.
     pub(super) device: String,
-    shared: Arc<Shared>,
-    orders: Producer<Order>,
-    reports: Consumer<Report>,
+    shared: Arc<SharedPort>,
+    orders: Producer<SerialOrder>,
+    reports: Consumer<SerialReport>,
     /// The run under way.
     run: u64,
     /// What lies ahead of the last poll.
@@ -54,7 +54,7 @@ impl SerialHandle {
     ) -> Result<SerialHandle, Vec<Diagnostic>> {
         let cannot = |error: std::io::Error| not_started(file, "the thread of a serial line", &error);
         let runtime = Builder::new_current_thread().enable_io().build().map_err(cannot)?;
-        let shared = Arc::<Shared>::default();
+        let shared = Arc::<SharedPort>::default();
         let port = {
             let _inside = runtime.enter();
             SerialPort::watched(&spec.port, Arc::clone(&shared.in_call))
@@ -62,7 +62,7 @@ impl SerialHandle {
         };
         let (reporter, mut thread, reports) = ends(REPORTS, &context.bell, limits.unresponsive_after);
         let (orders, ordered) = RingBuffer::new(ORDERS);
-        let device = Device {
+        let device = SerialThread {
             spec: spec.port.clone(),
             identity: Identity::of(&spec.port.path),
             timing: MessageTiming::of(&spec.port.line, spec.message_gap),
@@ -146,7 +146,7 @@ impl SerialHandle {
 
     /// Hands an output to the thread.
     pub(super) fn send(&mut self, output: &SerialOutput) -> Result<(), BoardError> {
-        let order = Order::of(self.run, output).ok_or(BoardError::BadFrame(self.bus))?;
+        let order = SerialOrder::of(self.run, output).ok_or(BoardError::BadFrame(self.bus))?;
         if self.thread.is_gone() {
             return Err(self.loss());
         }

@@ -14,7 +14,7 @@ use super::wire::Wire;
 use crate::board::{self, Board, BoardError, FaultInjection};
 use crate::bus::{Bus, BusEvent, BusId};
 use crate::channel::{Channel, ChannelId, Fault};
-use crate::circuit::{Circuit, CircuitError, CircuitFault, Part, PlantSpec, fit};
+use crate::circuit::{Circuit, CircuitError, CircuitFault, CircuitPart, PlantSpec, fit};
 use crate::event::{BoardEvent, Health, LossReason, Origin};
 use crate::plant::{Lag, Plant};
 
@@ -63,7 +63,7 @@ impl SimulatedBoard {
         if let Some(error) = circuit.check().first() {
             return Err(*error);
         }
-        let loops = |wire| CircuitError { part: Part::Wire(wire), fault: CircuitFault::Loop };
+        let loops = |wire| CircuitError { part: CircuitPart::Wire(wire), fault: CircuitFault::Loop };
         let ranks = circuit.order().map_err(loops)?;
         let mut board = SimulatedBoard {
             channels: circuit.channels.iter().map(checks::channel).collect(),

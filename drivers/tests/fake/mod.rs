@@ -13,7 +13,9 @@ use std::sync::{Arc, Condvar, Mutex};
 use document::SourceFile;
 use host::{HostInstant, Realtime};
 use rustix::event::{EventfdFlags, eventfd};
-use scanrig_drivers::gpio::{Backend, ChipInfo, Claim, Edge, FoundChip, GpioSpec, Levels, Port, Wanted};
+use scanrig_drivers::gpio::{
+    Backend, ChipInfo, Claim, Edge, FoundChip, GpioPort, GpioSpec, LineLevels, Wanted,
+};
 use scanrig_drivers::{
     BoardContext, BoardFile, BoardKind, ChannelId, DeviceLimits, GpioBoard, OutputClaim, Terminals, read,
 };
@@ -97,7 +99,7 @@ impl Fake {
     }
 }
 
-impl Port for Fake {
+impl GpioPort for Fake {
     fn backend(&self) -> Backend {
         Backend::V2
     }
@@ -115,13 +117,13 @@ impl Port for Fake {
         Ok(())
     }
 
-    fn get(&self) -> io::Result<Levels> {
+    fn get(&self) -> io::Result<LineLevels> {
         self.answer()?;
         self.gets.fetch_add(1, Ordering::AcqRel);
-        Ok(Levels { bits: self.inputs.load(Ordering::Acquire), known: (1 << LINES) - 1 })
+        Ok(LineLevels { bits: self.inputs.load(Ordering::Acquire), known: (1 << LINES) - 1 })
     }
 
-    fn survey(&self) -> io::Result<Levels> {
+    fn survey(&self) -> io::Result<LineLevels> {
         self.get()
     }
 
@@ -167,7 +169,7 @@ pub fn file(unresponsive_after: &str) -> BoardFile {
 }
 
 /// A board of the chip.
-pub fn board(port: Arc<dyn Port>, unresponsive_after: &str) -> (GpioBoard, BoardContext) {
+pub fn board(port: Arc<dyn GpioPort>, unresponsive_after: &str) -> (GpioBoard, BoardContext) {
     let (file, found, at) = parts(unresponsive_after);
     (GpioBoard::on_port(&file.channel_table(), spec(&file), limits(&file), &at, found, port).unwrap(), at)
 }

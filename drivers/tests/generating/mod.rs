@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use document::SourceFile;
 use host::{HostInstant, Realtime};
-use scanrig_drivers::generator::{Generator, GeneratorBoard, GeneratorSource, GeneratorsSpec, Sent};
+use scanrig_drivers::generator::{Generator, GeneratorBoard, GeneratorSource, GeneratorsSpec, SentPulses};
 use scanrig_drivers::{BoardContext, BoardFile, BoardKind, OutputClaim, Reopen, Terminals, read};
 use signal::Span;
 
@@ -103,7 +103,7 @@ impl Generator for Scripted {
         self.0.call(Some(Did::Square(output, period.as_nanos(), high.as_nanos())))
     }
 
-    fn pulses(&mut self, _output: u8, edges: &[Span]) -> io::Result<Sent> {
+    fn pulses(&mut self, _output: u8, edges: &[Span]) -> io::Result<SentPulses> {
         let before = HostInstant::now();
         let last = edges.last().map_or(0, |edge| edge.as_nanos());
         self.0.call(Some(Did::Pulses(edges.len(), last)))?;
@@ -113,7 +113,7 @@ impl Generator for Scripted {
         while HostInstant::now() < over {
             std::thread::sleep(Duration::from_micros(50));
         }
-        Ok(Sent { before, after: HostInstant::now(), bits })
+        Ok(SentPulses { before, after: HostInstant::now(), bits })
     }
 
     fn lasts(&self, _edges: &[Span]) -> Span {

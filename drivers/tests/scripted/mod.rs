@@ -9,7 +9,7 @@ use std::sync::{Arc, Condvar, Mutex};
 
 use document::SourceFile;
 use host::{HostInstant, Realtime};
-use scanrig_drivers::adc::{Adc, AdcBoard, AdcSource, AdcsSpec, InRange, Pace, Reading};
+use scanrig_drivers::adc::{Adc, AdcBoard, AdcPace, AdcReading, AdcSource, AdcsSpec, InRange};
 use scanrig_drivers::real::RealSpec;
 use scanrig_drivers::{BoardContext, BoardFile, BoardKind, Reopen, Terminals, read};
 use signal::Span;
@@ -65,11 +65,11 @@ impl Adc for Scripted {
         "spi"
     }
 
-    fn pace(&self) -> Pace<'_> {
-        Pace::Asked(self.period)
+    fn pace(&self) -> AdcPace<'_> {
+        AdcPace::Asked(self.period)
     }
 
-    fn read(&mut self, out: &mut Vec<Reading>) -> io::Result<()> {
+    fn read(&mut self, out: &mut Vec<AdcReading>) -> io::Result<()> {
         let before = HostInstant::now();
         let mut shut = self.script.shut.lock().unwrap();
         while *shut {
@@ -85,7 +85,7 @@ impl Adc for Scripted {
         }
         for (input, (value, range)) in self.script.values.lock().unwrap().iter().enumerate() {
             let range = range.unwrap_or(InRange::Yes);
-            out.push(Reading {
+            out.push(AdcReading {
                 input: input as u16,
                 before,
                 after: HostInstant::now(),

@@ -9,7 +9,7 @@ use std::sync::{Arc, Condvar, Mutex};
 
 use document::SourceFile;
 use host::{CounterEvent, HostInstant, Realtime};
-use scanrig_drivers::counter::{Counter, CounterBoard, CounterSource, CountersSpec, Reading};
+use scanrig_drivers::counter::{Counter, CounterBoard, CounterReading, CounterSource, CountersSpec};
 use scanrig_drivers::{BoardContext, BoardFile, BoardKind, Reopen, Terminals, read};
 
 /// What the counter is to do.
@@ -54,7 +54,7 @@ impl Counter for Scripted {
         Ok(())
     }
 
-    fn read(&mut self) -> io::Result<Reading> {
+    fn read(&mut self) -> io::Result<CounterReading> {
         let before = HostInstant::now();
         let mut shut = self.0.shut.lock().unwrap();
         while *shut {
@@ -65,9 +65,11 @@ impl Counter for Scripted {
         self.0.waiting.store(false, Ordering::Release);
         self.0.reads.fetch_add(1, Ordering::AcqRel);
         match self.0.error.load(Ordering::Acquire) {
-            0 => {
-                Ok(Reading { before, after: HostInstant::now(), value: self.0.value.load(Ordering::Acquire) })
-            }
+            0 => Ok(CounterReading {
+                before,
+                after: HostInstant::now(),
+                value: self.0.value.load(Ordering::Acquire),
+            }),
             code => Err(io::Error::from_raw_os_error(code)),
         }
     }

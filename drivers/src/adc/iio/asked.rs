@@ -8,14 +8,14 @@ use rustix::io::{Errno, pread};
 use signal::Span;
 
 use super::info::{IioInput, Scaling};
-use crate::adc::{Adc, InRange, Pace, Reading, Resolution};
+use crate::adc::{Adc, AdcPace, AdcReading, InRange, Resolution};
 
 /// More than a value of any driver takes.
 const VALUE: usize = 64;
 
 /// A device whose inputs are read from their files.
 #[derive(Debug)]
-pub(super) struct Asked {
+pub(super) struct AskedAdc {
     device: String,
     period: Span,
     inputs: Vec<Source>,
@@ -33,25 +33,25 @@ struct Source {
     resolution: Resolution,
 }
 
-impl Asked {
+impl AskedAdc {
     /// Opens the files of these inputs.
     pub(super) fn open(
         device: String,
         period: Span,
         inputs: &[&IioInput],
         node: Option<File>,
-    ) -> io::Result<Asked> {
+    ) -> io::Result<AskedAdc> {
         let source = |input: &&IioInput| {
             let file = File::open(&input.file)?;
             let ends = input.element.map(|(element, _)| (element.lowest() as f64, element.highest() as f64));
             Ok(Source { file, scaling: input.scaling, ends, resolution: input.resolution() })
         };
         let inputs = inputs.iter().map(source).collect::<io::Result<_>>()?;
-        Ok(Asked { device, period, inputs, _node: node })
+        Ok(AskedAdc { device, period, inputs, _node: node })
     }
 }
 
-impl Adc for Asked {
+impl Adc for AskedAdc {
     fn device(&self) -> &str {
         &self.device
     }
@@ -60,11 +60,11 @@ impl Adc for Asked {
         "iio"
     }
 
-    fn pace(&self) -> Pace<'_> {
-        Pace::Asked(self.period)
+    fn pace(&self) -> AdcPace<'_> {
+        AdcPace::Asked(self.period)
     }
 
-    fn read(&mut self, out: &mut Vec<Reading>) -> io::Result<()> {
+    fn read(&mut self, out: &mut Vec<AdcReading>) -> io::Result<()> {
         for (input, source) in self.inputs.iter().enumerate() {
             let mut text = [0u8; VALUE];
             let before = HostInstant::now();
@@ -78,7 +78,7 @@ impl Adc for Asked {
                 Some((_, highest)) if code >= highest => InRange::Above,
                 _ => InRange::Yes,
             };
-            out.push(Reading { input: input as u16, before, after, value, range });
+            out.push(AdcReading { input: input as u16, before, after, value, range });
         }
         Ok(())
     }
@@ -118,7 +118,7 @@ mod tests {
         let device = list(machine.root()).remove(0);
         let named = |name| device.inputs.iter().find(|input| input.name == name).unwrap();
         let inputs = [named("temp"), named("voltage0"), named("voltage1")];
-        let mut asked = Asked::open("adc".into(), Span::from_millis(1), &inputs, None).unwrap();
+        let mut asked = AskedAdc::open("adc".into(), Span::from_millis(1), &inputs, None).unwrap();
         let mut readings = Vec::new();
         asked.read(&mut readings).unwrap();
         let told: Vec<(u16, f64, InRange)> =

@@ -16,14 +16,14 @@ use super::info::{IioDevice, IioInput};
 use super::scans::{Sampled, Scans};
 use super::spec::Buffering;
 use super::trigger::Trigger;
-use crate::adc::{AT_ONCE, Adc, Pace, Reading, Resolution};
+use crate::adc::{AT_ONCE, Adc, AdcPace, AdcReading, Resolution};
 use crate::codes;
 use crate::inventory::{line, names};
 use crate::refusal::Refusal;
 
 /// A device whose buffer is filled by a trigger.
 #[derive(Debug)]
-pub(super) struct Buffered {
+pub(super) struct BufferedAdc {
     device: String,
     /// Time between two arrivals.
     period: Span,
@@ -45,7 +45,7 @@ struct Capture {
     trigger: Trigger,
 }
 
-impl Buffered {
+impl BufferedAdc {
     /// Sets the device up and lets it sample these inputs.
     pub(super) fn open(
         root: &Path,
@@ -54,7 +54,7 @@ impl Buffered {
         period: Span,
         inputs: &[&IioInput],
         node: File,
-    ) -> Result<Buffered, Refusal> {
+    ) -> Result<BufferedAdc, Refusal> {
         let without = |what: &str| {
             let help =
                 "leave `buffered`, `trigger`, `buffer` and `watermark` out: each sample is asked for then";
@@ -94,7 +94,7 @@ impl Buffered {
         set(&capture.folder, "buffer/enable", "1")?;
         let scans =
             Scans::new(order.into_iter().map(|(_, sampled)| sampled).collect(), stamp, period, starts);
-        Ok(Buffered {
+        Ok(BufferedAdc {
             device: named(device),
             period: period * i64::from(buffering.watermark),
             bytes: vec![0; scans.size() * AT_ONCE],
@@ -107,7 +107,7 @@ impl Buffered {
     }
 }
 
-impl Buffered {
+impl BufferedAdc {
     /// Bytes of scans that wait; none where there are none.
     fn fetch(&mut self) -> io::Result<usize> {
         match rustix::io::read(&self.node, &mut self.bytes[..]) {
@@ -164,7 +164,7 @@ fn choose(folder: &Path, inputs: &[&IioInput]) -> Result<(), Refusal> {
     Ok(())
 }
 
-impl Adc for Buffered {
+impl Adc for BufferedAdc {
     fn device(&self) -> &str {
         &self.device
     }
@@ -173,8 +173,8 @@ impl Adc for Buffered {
         "iio"
     }
 
-    fn pace(&self) -> Pace<'_> {
-        Pace::Ready(self.node.as_fd(), self.period)
+    fn pace(&self) -> AdcPace<'_> {
+        AdcPace::Ready(self.node.as_fd(), self.period)
     }
 
     fn spread(&self) -> u8 {
@@ -188,7 +188,7 @@ impl Adc for Buffered {
     }
 
     /// At most as much as one call brings: what is left can be read at once.
-    fn read(&mut self, out: &mut Vec<Reading>) -> io::Result<()> {
+    fn read(&mut self, out: &mut Vec<AdcReading>) -> io::Result<()> {
         let length = self.fetch()?;
         self.scans.take(&self.bytes[..length], HostInstant::now(), out);
         Ok(())

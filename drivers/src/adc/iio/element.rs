@@ -73,18 +73,18 @@ impl Element {
 
 /// Where the samples of one scan lie in the buffer.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Layout {
+pub struct SampleLayout {
     /// The first byte of each element, in the order in which they were given.
     pub places: Vec<usize>,
     /// Bytes of a scan.
     pub size: usize,
 }
 
-impl Layout {
+impl SampleLayout {
     /// Lays out elements in the order of their numbers: each begins at a multiple of its own size, and a scan at a
     /// multiple of the largest.
-    pub fn new(elements: impl IntoIterator<Item = Element>) -> Layout {
-        let mut layout = Layout::default();
+    pub fn new(elements: impl IntoIterator<Item = Element>) -> SampleLayout {
+        let mut layout = SampleLayout::default();
         let mut largest = 1;
         for element in elements {
             let bytes = usize::from(element.bytes);
@@ -137,13 +137,13 @@ mod tests {
 
     #[test]
     fn elements_are_aligned_as_the_kernel_aligns_them() {
-        let of = |texts: &[&str]| Layout::new(texts.iter().map(|text| element(text)));
+        let of = |texts: &[&str]| SampleLayout::new(texts.iter().map(|text| element(text)));
         let stamp = "le:s64/64>>0";
-        assert_eq!(of(&["le:u16/16>>0", stamp]), Layout { places: vec![0, 8], size: 16 });
+        assert_eq!(of(&["le:u16/16>>0", stamp]), SampleLayout { places: vec![0, 8], size: 16 });
         let three = of(&["le:u16/16>>0", "le:u32/32>>0", "le:u8/8>>0"]);
-        assert_eq!(three, Layout { places: vec![0, 4, 8], size: 12 });
-        assert_eq!(of(&["le:u16/16>>0"; 4]), Layout { places: vec![0, 2, 4, 6], size: 8 });
-        assert_eq!(Layout::new([]).size, 0);
+        assert_eq!(three, SampleLayout { places: vec![0, 4, 8], size: 12 });
+        assert_eq!(of(&["le:u16/16>>0"; 4]), SampleLayout { places: vec![0, 2, 4, 6], size: 8 });
+        assert_eq!(SampleLayout::new([]).size, 0);
     }
 
     proptest! {

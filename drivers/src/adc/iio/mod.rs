@@ -15,7 +15,7 @@ mod scans;
 mod spec;
 mod trigger;
 
-pub use element::{Element, Layout};
+pub use element::{Element, SampleLayout};
 pub use find::{find, inputs, named};
 pub use info::{IioDevice, IioInput, list, unit_of};
 pub use scans::{Sampled, Scans};
@@ -33,8 +33,8 @@ use super::{Adc, AdcSpec, SampleSpec};
 use crate::codes;
 use crate::holder::{holders, words};
 use crate::refusal::Refusal;
-use asked::Asked;
-use buffered::Buffered;
+use asked::AskedAdc;
+use buffered::BufferedAdc;
 
 /// Opens a device for these inputs.
 ///
@@ -47,12 +47,12 @@ pub fn open(converter: &AdcSpec, spec: &IioSpec, samples: &[SampleSpec]) -> Resu
     let inputs: Vec<&IioInput> = places.iter().filter_map(|at| device.inputs.get(*at)).collect();
     let node = device.node.as_deref().map(|node| take(&device, node)).transpose()?;
     match (&spec.buffered, node) {
-        (None, node) => match Asked::open(find::named(&device), converter.period, &inputs, node) {
+        (None, node) => match AskedAdc::open(find::named(&device), converter.period, &inputs, node) {
             Ok(asked) => Ok(Box::new(asked)),
             Err(error) => Err(unreadable(&device, &error)),
         },
         (Some(buffering), Some(node)) => {
-            Buffered::open(root, &device, buffering, converter.period, &inputs, node)
+            BufferedAdc::open(root, &device, buffering, converter.period, &inputs, node)
                 .map(|buffered| Box::new(buffered) as Box<dyn Adc>)
         }
         (Some(_), None) => {

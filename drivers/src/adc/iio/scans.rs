@@ -3,9 +3,9 @@
 use host::HostInstant;
 use signal::Span;
 
-use super::element::{Element, Layout};
+use super::element::{Element, SampleLayout};
 use super::info::Scaling;
-use crate::adc::{InRange, Reading};
+use crate::adc::{AdcReading, InRange};
 
 /// One input of a scan.
 #[derive(Clone, Copy, Debug)]
@@ -31,7 +31,7 @@ impl Sampled {
 /// Makes readings of scans. What a scan holds is fixed; its last element is the kernel's stamp.
 #[derive(Debug)]
 pub struct Scans {
-    layout: Layout,
+    layout: SampleLayout,
     inputs: Vec<Sampled>,
     stamp: Element,
     period: Span,
@@ -48,7 +48,7 @@ impl Scans {
         let elements = inputs.iter().map(|input| input.element).chain([stamp]);
         let period = period.max(Span::from_nanos(1));
         Scans {
-            layout: Layout::new(elements),
+            layout: SampleLayout::new(elements),
             inputs,
             stamp,
             period,
@@ -74,7 +74,7 @@ impl Scans {
     }
 
     /// Appends the readings of whole scans that were read by `now`; bytes behind the last whole one are left out.
-    pub fn take(&mut self, bytes: &[u8], now: HostInstant, out: &mut Vec<Reading>) {
+    pub fn take(&mut self, bytes: &[u8], now: HostInstant, out: &mut Vec<AdcReading>) {
         let mut scans = bytes.chunks_exact(self.size()).peekable();
         while let Some(scan) = scans.next() {
             let stamp = self.stamp_of(scan);
@@ -98,7 +98,7 @@ impl Scans {
                     _ => InRange::Yes,
                 };
                 let value = sampled.scaling.value(code);
-                out.push(Reading { input: sampled.input, before, after, value, range });
+                out.push(AdcReading { input: sampled.input, before, after, value, range });
             }
         }
     }

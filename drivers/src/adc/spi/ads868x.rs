@@ -1,7 +1,7 @@
 //! ADS8684 and ADS8688 (Texas Instruments SBAS582): an answer carries the code of the input that the frame before
 //! asked for, inputs have ranges of their own, and what was programmed can be read back.
 
-use super::codec::{Bytes, Chosen, Codec, Frame, Input, Span};
+use super::codec::{Bytes, Chosen, Codec, Frame, Span, SpiInput};
 
 /// One of the family, with the way it goes through its inputs.
 #[derive(Debug)]
@@ -84,7 +84,7 @@ impl Codec for Ads868x {
         false
     }
 
-    fn spans(&self, _input: Input, reference: f64) -> Vec<Span> {
+    fn spans(&self, _input: SpiInput, reference: f64) -> Vec<Span> {
         let span = |(setting, low, high): (u8, f64, f64)| Span {
             low: low * reference,
             high: high * reference,
@@ -142,7 +142,7 @@ mod tests {
     use super::*;
 
     fn chosen(number: u8, range: usize) -> Chosen {
-        let input = Input::Single(number);
+        let input = SpiInput::Single(number);
         Chosen { input, span: ADS8688.spans(input, 4.096)[range] }
     }
 
@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn ranges_follow_the_reference() {
-        let spans = ADS8688.spans(Input::Single(0), 4.096);
+        let spans = ADS8688.spans(SpiInput::Single(0), 4.096);
         let ends: Vec<(f64, f64)> = spans.iter().map(|span| (span.low, span.high)).collect();
         assert_eq!(ends, [(-10.24, 10.24), (-5.12, 5.12), (-2.56, 2.56), (0.0, 10.24), (0.0, 5.12)]);
     }

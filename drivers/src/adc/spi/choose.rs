@@ -13,14 +13,14 @@ use crate::codes;
 use crate::refusal::Refusal;
 
 /// A part that the rig can read.
-pub type Part = &'static dyn Codec;
+pub type AdcPart = &'static dyn Codec;
 
 /// Every part, in the order in which messages name them. A new one is added here.
-pub const PARTS: [Part; 10] =
+pub const PARTS: [AdcPart; 10] =
     [&MCP3004, &MCP3008, &MCP3204, &MCP3208, &ADS8684, &ADS8688, &MAX1110, &MAX1111, &MAX1112, &MAX1113];
 
 /// Those that go through their inputs by themselves, and the same told of each.
-const MANUAL: [(Part, Part); 2] = [(&ADS8684, &ADS8684_MANUAL), (&ADS8688, &ADS8688_MANUAL)];
+const MANUAL: [(AdcPart, AdcPart); 2] = [(&ADS8684, &ADS8684_MANUAL), (&ADS8688, &ADS8688_MANUAL)];
 
 /// A converter on an SPI bus as a board file describes it.
 #[derive(Clone, Debug)]
@@ -28,7 +28,7 @@ pub struct SpiSpec {
     /// Its device, as in `/dev/spidev0.0`.
     pub path: PathBuf,
     /// What it is.
-    pub part: Part,
+    pub part: AdcPart,
     /// Clock rate, in Hz.
     pub speed: u32,
     /// SPI mode, 0 to 3.
@@ -50,7 +50,7 @@ impl PartialEq for SpiSpec {
 
 /// The part of this name; `manual` for one that is told of each input. `None` where there is none, or none that can be
 /// told.
-pub(crate) fn part(name: &str, manual: bool) -> Option<Part> {
+pub(crate) fn part(name: &str, manual: bool) -> Option<AdcPart> {
     let found = PARTS.into_iter().find(|part| part.name() == name)?;
     match manual {
         false => Some(found),
@@ -112,7 +112,7 @@ mod tests {
     use super::*;
     use crate::ChannelId;
     use crate::adc::Scale;
-    use crate::adc::spi::Input;
+    use crate::adc::spi::SpiInput;
 
     fn spec(name: &str, manual: bool) -> SpiSpec {
         let part = part(name, manual).unwrap();
@@ -141,8 +141,8 @@ mod tests {
         let choose = |part: &str, input: FindInput| {
             choose(&spec(part, false), &sample(input, None)).map(|chosen| chosen.input)
         };
-        assert_eq!(choose("mcp3008", FindInput::Number(7)), Ok(Input::Single(7)));
-        assert_eq!(choose("mcp3008", FindInput::Name("3-2".into())), Ok(Input::Pair(3, 2)));
+        assert_eq!(choose("mcp3008", FindInput::Number(7)), Ok(SpiInput::Single(7)));
+        assert_eq!(choose("mcp3008", FindInput::Name("3-2".into())), Ok(SpiInput::Pair(3, 2)));
         for (part, input) in
             [("mcp3004", "4"), ("mcp3008", "1-2"), ("ads8688", "0-1"), ("mcp3008", "x"), ("mcp3008", "+1")]
         {

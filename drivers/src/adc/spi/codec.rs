@@ -10,7 +10,7 @@ pub type Bytes = [u8; FRAME];
 
 /// An input of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Input {
+pub enum SpiInput {
     /// Against ground.
     Single(u8),
     /// The first against the second.
@@ -32,7 +32,7 @@ pub struct Span {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chosen {
     /// The input.
-    pub input: Input,
+    pub input: SpiInput,
     /// What it is to take.
     pub span: Span,
 }
@@ -76,7 +76,7 @@ pub trait Codec: Debug + Send + Sync {
     fn has_pairs(&self) -> bool;
 
     /// What an input can take, by the reference; the first is used where the board file names none.
-    fn spans(&self, input: Input, reference: f64) -> Vec<Span>;
+    fn spans(&self, input: SpiInput, reference: f64) -> Vec<Span>;
 
     /// Bits of a code.
     fn bits(&self) -> u8;
@@ -101,16 +101,16 @@ pub trait Codec: Debug + Send + Sync {
 
 impl dyn Codec {
     /// The input of this number, or of a name such as `0-1`: the first against the second.
-    pub fn input(&self, text: &str) -> Option<Input> {
+    pub fn input(&self, text: &str) -> Option<SpiInput> {
         let number = |text: &str| -> Option<u8> {
             let plain = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
             plain.then(|| text.parse().ok()).flatten().filter(|number| *number < self.inputs())
         };
         match text.split_once('-') {
-            None => number(text).map(Input::Single),
+            None => number(text).map(SpiInput::Single),
             Some((plus, minus)) => {
                 let (plus, minus) = (number(plus)?, number(minus)?);
-                (self.has_pairs() && plus ^ 1 == minus).then_some(Input::Pair(plus, minus))
+                (self.has_pairs() && plus ^ 1 == minus).then_some(SpiInput::Pair(plus, minus))
             }
         }
     }
@@ -121,11 +121,11 @@ impl dyn Codec {
     }
 }
 
-impl Input {
+impl SpiInput {
     /// The number of the input, or of the first of a pair.
     pub fn number(self) -> u8 {
         match self {
-            Input::Single(number) | Input::Pair(number, _) => number,
+            SpiInput::Single(number) | SpiInput::Pair(number, _) => number,
         }
     }
 }

@@ -10,7 +10,7 @@ use rustix::io::Errno;
 use signal::Span;
 use spidev::{SpiModeFlags, Spidev, SpidevOptions, SpidevTransfer};
 
-use super::super::{Adc, AdcSpec, Noise, Pace, Reading, Resolution, SampleSpec};
+use super::super::{Adc, AdcPace, AdcReading, AdcSpec, Noise, Resolution, SampleSpec};
 use super::codec::{Bytes, FRAME};
 use super::sweep::{Sweep, answered};
 use super::{Chosen, SpiSpec, choose};
@@ -197,11 +197,11 @@ impl Adc for SpiAdc {
         "spi"
     }
 
-    fn pace(&self) -> Pace<'_> {
-        Pace::Asked(self.period)
+    fn pace(&self) -> AdcPace<'_> {
+        AdcPace::Asked(self.period)
     }
 
-    fn read(&mut self, out: &mut Vec<Reading>) -> io::Result<()> {
+    fn read(&mut self, out: &mut Vec<AdcReading>) -> io::Result<()> {
         let frames = self.sweep.frames().len();
         let all = self.oversample * frames;
         self.sweep.clear();

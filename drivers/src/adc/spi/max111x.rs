@@ -1,6 +1,6 @@
 //! MAX1110 to MAX1113 (Maxim 19-1194, 19-1231): a control byte asks for an input, the code follows in the same frame.
 
-use super::codec::{Bytes, Chosen, Codec, Frame, Input, Span};
+use super::codec::{Bytes, Chosen, Codec, Frame, Span, SpiInput};
 
 /// One of the family.
 #[derive(Debug)]
@@ -32,7 +32,7 @@ impl Max111x {
         let number = chosen.input.number();
         let select =
             if self.inputs > 4 { (number & 1) << 2 | number >> 1 } else { (number & 1) << 2 | number & 2 };
-        let single = if matches!(chosen.input, Input::Single(_)) { SINGLE } else { 0 };
+        let single = if matches!(chosen.input, SpiInput::Single(_)) { SINGLE } else { 0 };
         START | select << 4 | single | chosen.span.setting | POWERED
     }
 }
@@ -62,7 +62,7 @@ impl Codec for Max111x {
         true
     }
 
-    fn spans(&self, _input: Input, reference: f64) -> Vec<Span> {
+    fn spans(&self, _input: SpiInput, reference: f64) -> Vec<Span> {
         let half = reference / 2.0;
         vec![
             Span { low: 0.0, high: reference, setting: UNIPOLAR },
@@ -98,7 +98,7 @@ impl Codec for Max111x {
 mod tests {
     use super::*;
 
-    fn chosen(part: &Max111x, input: Input, span: usize) -> Chosen {
+    fn chosen(part: &Max111x, input: SpiInput, span: usize) -> Chosen {
         Chosen { input, span: part.spans(input, part.reference)[span] }
     }
 
@@ -106,17 +106,17 @@ mod tests {
     fn control_bytes_select_by_the_tables_of_the_data_sheet() {
         let select = |part: &Max111x, input| part.control(&chosen(part, input, 0)) >> 4 & 7;
         let of =
-            |part: &Max111x| (0..part.inputs).map(|n| select(part, Input::Single(n))).collect::<Vec<_>>();
+            |part: &Max111x| (0..part.inputs).map(|n| select(part, SpiInput::Single(n))).collect::<Vec<_>>();
         assert_eq!(of(&MAX1110), [0b000, 0b100, 0b001, 0b101, 0b010, 0b110, 0b011, 0b111]);
         assert_eq!(of(&MAX1111), [0b000, 0b100, 0b010, 0b110]);
-        assert_eq!(MAX1111.control(&chosen(&MAX1111, Input::Single(0), 0)), 0b1000_1111);
-        assert_eq!(MAX1110.control(&chosen(&MAX1110, Input::Pair(1, 0), 1)), 0b1100_0011);
+        assert_eq!(MAX1111.control(&chosen(&MAX1111, SpiInput::Single(0), 0)), 0b1000_1111);
+        assert_eq!(MAX1110.control(&chosen(&MAX1110, SpiInput::Pair(1, 0), 1)), 0b1100_0011);
     }
 
     #[test]
     fn a_code_stands_between_bits_of_0() {
         let (unipolar, bipolar) =
-            (chosen(&MAX1111, Input::Single(0), 0), chosen(&MAX1111, Input::Single(0), 1));
+            (chosen(&MAX1111, SpiInput::Single(0), 0), chosen(&MAX1111, SpiInput::Single(0), 1));
         assert_eq!(MAX1111.code(&unipolar, &[0, 0x20, 0x40, 0]), Some(0x81));
         assert_eq!(MAX1111.code(&bipolar, &[0, 0x20, 0x00, 0]), Some(0), "the lowest");
         assert_eq!(MAX1111.code(&bipolar, &[0, 0x1F, 0xC0, 0]), Some(255), "the highest");

@@ -1,6 +1,6 @@
 //! MCP3004, MCP3008, MCP3204 and MCP3208 (Microchip DS21295, DS21298): a frame asks for an input and carries its code.
 
-use super::codec::{Bytes, Chosen, Codec, Frame, Input, Span};
+use super::codec::{Bytes, Chosen, Codec, Frame, Span, SpiInput};
 
 /// One of the family.
 #[derive(Debug)]
@@ -48,7 +48,7 @@ impl Codec for Mcp3x0x {
         true
     }
 
-    fn spans(&self, _input: Input, reference: f64) -> Vec<Span> {
+    fn spans(&self, _input: SpiInput, reference: f64) -> Vec<Span> {
         vec![Span { low: 0.0, high: reference, setting: 0 }]
     }
 
@@ -62,7 +62,7 @@ impl Codec for Mcp3x0x {
 
     fn sweep(&self, inputs: &[Chosen]) -> Vec<Frame> {
         let frame = |(at, chosen): (usize, &Chosen)| {
-            let single = u32::from(matches!(chosen.input, Input::Single(_)));
+            let single = u32::from(matches!(chosen.input, SpiInput::Single(_)));
             // Start bit, single-ended or not, three bits of the input; two clocks to sample, of which the second is
             // answered by 0; then the code.
             let command = 1 << 4 | single << 3 | u32::from(chosen.input.number());
@@ -83,7 +83,7 @@ impl Codec for Mcp3x0x {
 mod tests {
     use super::*;
 
-    fn chosen(input: Input) -> Chosen {
+    fn chosen(input: SpiInput) -> Chosen {
         Chosen { input, span: Span { low: 0.0, high: 3.3, setting: 0 } }
     }
 
@@ -91,18 +91,18 @@ mod tests {
     fn commands_are_those_of_the_data_sheets() {
         let send = |part: &Mcp3x0x, input| part.sweep(&[chosen(input)])[0].send[..3].to_vec();
         // DS21295, figure 6-1: the start bit is the last of the first byte.
-        assert_eq!(send(&MCP3008, Input::Single(0)), [0x01, 0x80, 0]);
-        assert_eq!(send(&MCP3008, Input::Single(7)), [0x01, 0xF0, 0]);
-        assert_eq!(send(&MCP3004, Input::Pair(1, 0)), [0x01, 0x10, 0]);
+        assert_eq!(send(&MCP3008, SpiInput::Single(0)), [0x01, 0x80, 0]);
+        assert_eq!(send(&MCP3008, SpiInput::Single(7)), [0x01, 0xF0, 0]);
+        assert_eq!(send(&MCP3004, SpiInput::Pair(1, 0)), [0x01, 0x10, 0]);
         // DS21298, figure 6-1: 0000 01 SGL D2, D1 D0.
-        assert_eq!(send(&MCP3208, Input::Single(5)), [0x07, 0x40, 0]);
-        assert_eq!(send(&MCP3204, Input::Pair(2, 3)), [0x04, 0x80, 0]);
+        assert_eq!(send(&MCP3208, SpiInput::Single(5)), [0x07, 0x40, 0]);
+        assert_eq!(send(&MCP3204, SpiInput::Pair(2, 3)), [0x04, 0x80, 0]);
     }
 
     #[test]
     fn a_code_stands_behind_its_null_bit() {
         let code = |part: &Mcp3x0x, answer: [u8; 3]| {
-            part.code(&chosen(Input::Single(0)), &[answer[0], answer[1], answer[2], 0])
+            part.code(&chosen(SpiInput::Single(0)), &[answer[0], answer[1], answer[2], 0])
         };
         // What is in front of the null bit is not driven by the part.
         assert_eq!(code(&MCP3008, [0xFF, 0xFA, 0x34]), Some(0x234));

@@ -10,8 +10,8 @@ mod sweep;
 
 pub use ads868x::{ADS8684, ADS8684_MANUAL, ADS8688, ADS8688_MANUAL};
 pub(crate) use choose::part;
-pub use choose::{PARTS, Part, SpiSpec, choose};
-pub use codec::{Bytes, Chosen, Codec, FRAME, Frame, Input, Span};
+pub use choose::{AdcPart, PARTS, SpiSpec, choose};
+pub use codec::{Bytes, Chosen, Codec, FRAME, Frame, Span, SpiInput};
 pub(crate) use device::claim;
 pub use device::{SpiAdc, open};
 pub use max111x::{MAX1110, MAX1111, MAX1112, MAX1113};

@@ -1,8 +1,8 @@
 //! One or several sweeps as readings: codes, means, noise, stamps.
 
-use super::super::{InRange, Noise, Reading, Resolution};
-use super::Part;
-use super::codec::{Bytes, Chosen, Frame, Input};
+use super::super::{AdcReading, InRange, Noise, Resolution};
+use super::AdcPart;
+use super::codec::{Bytes, Chosen, Frame, SpiInput};
 use host::HostInstant;
 
 /// What the sweeps of one reading said of an input.
@@ -20,7 +20,7 @@ struct Sum {
 /// A sweep over the inputs of a part, and what its answers said.
 #[derive(Debug)]
 pub struct Sweep {
-    part: Part,
+    part: AdcPart,
     inputs: Vec<Chosen>,
     frames: Vec<Frame>,
     sums: Vec<Sum>,
@@ -28,7 +28,7 @@ pub struct Sweep {
 
 impl Sweep {
     /// A sweep over these inputs.
-    pub fn new(part: Part, inputs: Vec<Chosen>) -> Sweep {
+    pub fn new(part: AdcPart, inputs: Vec<Chosen>) -> Sweep {
         let (frames, sums) = (part.sweep(&inputs), vec![Sum::default(); inputs.len()]);
         Sweep { part, inputs, frames, sums }
     }
@@ -67,7 +67,7 @@ impl Sweep {
 
     /// The readings: of each input the mean of its codes. Of one code at an end of the range the mean would be wrong,
     /// so that the reading is beyond it.
-    pub fn readings(&self, out: &mut Vec<Reading>) {
+    pub fn readings(&self, out: &mut Vec<AdcReading>) {
         let steps = f64::from(self.part.highest()) + 1.0;
         for (at, (chosen, sum)) in self.inputs.iter().zip(&self.sums).enumerate() {
             if sum.count == 0 {
@@ -76,7 +76,7 @@ impl Sweep {
             let mean = sum.sum as f64 / f64::from(sum.count);
             let span = chosen.span;
             // An input against ground at 0 V shows what it has.
-            let grounded = matches!(chosen.input, Input::Single(_)) && span.low == 0.0;
+            let grounded = matches!(chosen.input, SpiInput::Single(_)) && span.low == 0.0;
             let range = if sum.highest >= self.part.highest() {
                 InRange::Above
             } else if sum.lowest == 0 && !grounded {
@@ -85,7 +85,7 @@ impl Sweep {
                 InRange::Yes
             };
             let value = span.low + mean / steps * (span.high - span.low);
-            out.push(Reading { input: at as u16, before: sum.before, after: sum.after, value, range });
+            out.push(AdcReading { input: at as u16, before: sum.before, after: sum.after, value, range });
         }
     }
 
@@ -127,9 +127,9 @@ mod tests {
         HostInstant::from_nanos(nanos as i64)
     }
 
-    fn single(part: Part, numbers: &[u8]) -> Vec<Chosen> {
+    fn single(part: AdcPart, numbers: &[u8]) -> Vec<Chosen> {
         let chosen = |number: &u8| {
-            let input = Input::Single(*number);
+            let input = SpiInput::Single(*number);
             Chosen { input, span: part.spans(input, 4.096)[0] }
         };
         numbers.iter().map(chosen).collect()
@@ -140,7 +140,7 @@ mod tests {
         [0xFF, 0xF8 | (code >> 8) as u8, code as u8, 0]
     }
 
-    fn readings(sweep: &Sweep) -> Vec<Reading> {
+    fn readings(sweep: &Sweep) -> Vec<AdcReading> {
         let mut out = Vec::new();
         sweep.readings(&mut out);
         out
@@ -155,7 +155,7 @@ mod tests {
         let step = 0.004;
         assert_eq!(
             readings(&sweep),
-            [Reading { input: 0, before: at(0), after: at(35), value: 101.0 * step, range: InRange::Yes }]
+            [AdcReading { input: 0, before: at(0), after: at(35), value: 101.0 * step, range: InRange::Yes }]
         );
         let Noise { deviation, samples } = sweep.noise(0).unwrap();
         assert_eq!((samples, sweep.resolution(0)), (4, Resolution { step, range: Some(4.096) }));
@@ -178,7 +178,8 @@ mod tests {
         let mut bipolar = Sweep::new(&ADS8688, single(&ADS8688, &[0]));
         assert!(bipolar.take(1, &[0, 0, 0, 0], at(0), at(1)));
         assert_eq!(readings(&bipolar)[0].range, InRange::Below);
-        let pair = Chosen { input: Input::Pair(0, 1), span: MCP3008.spans(Input::Pair(0, 1), 4.096)[0] };
+        let pair =
+            Chosen { input: SpiInput::Pair(0, 1), span: MCP3008.spans(SpiInput::Pair(0, 1), 4.096)[0] };
         let mut pair = Sweep::new(&MCP3008, vec![pair]);
         assert!(pair.take(0, &mcp(0), at(0), at(1)));
         assert_eq!(readings(&pair)[0].range, InRange::Below);

@@ -13,7 +13,7 @@ use std::path::Path;
 use rustix::io::Errno;
 use signal::Span;
 
-use super::{Generator, OutputSpec, PwmSpec, Sent};
+use super::{Generator, OutputSpec, PwmSpec, SentPulses};
 use crate::refusal::Refusal;
 use crate::{LineApi, OutputClaim};
 use sysfs::Exported;
@@ -92,7 +92,7 @@ impl Generator for Pwm {
         output.wave(whole, if spec.safe { whole.saturating_sub(high) } else { high })
     }
 
-    fn pulses(&mut self, _output: u8, _edges: &[Span]) -> io::Result<Sent> {
+    fn pulses(&mut self, _output: u8, _edges: &[Span]) -> io::Result<SentPulses> {
         Err(Errno::OPNOTSUPP.into())
     }
 

@@ -4,7 +4,7 @@ mod plan;
 
 use devices::{ADC, Adc, Lab, PATIENCE, wait_for};
 use document::SourceFile;
-use drivers::adc::{self, AdcSpec, AdcsSpec, InRange, Pace, Reading, SampleSpec};
+use drivers::adc::{self, AdcPace, AdcReading, AdcSpec, AdcsSpec, InRange, SampleSpec};
 use drivers::{
     Board, BoardContext, BoardEvent, BoardFile, BoardKind, ChannelId, LossReason, Refusal, Terminals,
 };
@@ -56,12 +56,12 @@ fn refused(keys: &str, inputs: &[u16]) -> Refusal {
 }
 
 /// What comes of the converter until there are so many readings.
-fn readings(converter: &mut dyn adc::Adc, least: usize) -> Vec<Reading> {
+fn readings(converter: &mut dyn adc::Adc, least: usize) -> Vec<AdcReading> {
     let mut out = Vec::new();
     let due = Instant::now() + PATIENCE;
     while out.len() < least {
         assert!(Instant::now() < due, "only {} readings came", out.len());
-        if let Pace::Ready(fd, _) = converter.pace() {
+        if let AdcPace::Ready(fd, _) = converter.pace() {
             let tick = rustix::event::Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
             let _ = poll(&mut [PollFd::from_borrowed_fd(fd, PollFlags::IN)], Some(&tick));
         }
@@ -93,7 +93,7 @@ fn single_reads_are_volts_between_two_instants() {
     let (_lab, adc) = (Lab::enter(), Adc::enter());
     let mut converter = opened(ASKED, &[2, 0]);
     assert_eq!(converter.device(), "iio:device0 (rig-adc)");
-    assert!(matches!(converter.pace(), Pace::Asked(period) if period == Span::from_millis(20)));
+    assert!(matches!(converter.pace(), AdcPace::Asked(period) if period == Span::from_millis(20)));
     for (volts, range) in
         [(2.5, InRange::Yes), (-10.0, InRange::Yes), (10.3, InRange::Above), (-10.3, InRange::Below)]
     {
@@ -131,7 +131,7 @@ fn a_timer_of_the_rigs_own_samples_with_instants_and_goes_with_it() {
     adc.set(3, 5.0);
     let latest = HostInstant::now();
     let mut told = Vec::new();
-    while told.iter().filter(|one: &&Reading| one.before > latest).count() < 6 {
+    while told.iter().filter(|one: &&AdcReading| one.before > latest).count() < 6 {
         told.extend(readings(&mut *converter, 1));
     }
     for one in &told {
