@@ -7,6 +7,7 @@ mod tally;
 use std::fmt;
 
 use signal::{Span, Value};
+use thiserror::Error;
 
 use crate::channel::{ChannelId, ChannelKind};
 
@@ -205,97 +206,86 @@ pub enum CircuitPart {
     },
 }
 
+impl fmt::Display for CircuitPart {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            CircuitPart::Channel(n) => write!(f, "channel {n}"),
+            CircuitPart::Wire(n) => write!(f, "wire {n}"),
+            CircuitPart::Plant(n) => write!(f, "plant {n}"),
+            CircuitPart::Switch { plant, switch } => write!(f, "plant {plant}, switch {switch}"),
+        }
+    }
+}
+
 /// What is wrong with a part of a circuit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum CircuitFault {
     /// More channels, wires or plants than [`MAX_PARTS`].
+    #[error("more than {} channels, wires or plants", MAX_PARTS)]
     TooMany,
     /// A channel before it has the same name.
+    #[error("a channel before it has the same name")]
     DuplicateName {
         /// Place of the first.
         first: usize,
     },
     /// The safe value does not fit the kind of channel.
+    #[error("the safe value does not fit the kind of channel")]
     BadSafeValue,
     /// It names a channel that the circuit does not have.
+    #[error("no such channel")]
     NoChannel(ChannelId),
     /// It would have to be a digital channel.
+    #[error("a digital channel is needed here")]
     NotDigital(ChannelId),
     /// It would have to be an analog channel.
+    #[error("an analog channel is needed here")]
     NotAnalog(ChannelId),
     /// It would have to be a count.
+    #[error("a count is needed here")]
     NotCount(ChannelId),
     /// A wire from a digital to an analog channel or the reverse.
+    #[error("a wire joins channels of different kinds, or a count")]
     KindsDiffer,
     /// A wire between analog channels with inversion or bounce.
+    #[error("an analog wire can neither invert nor bounce")]
     NotForAnalog,
     /// An analog channel that more than one wire or plant drives.
+    #[error("an analog channel is driven from two sides")]
     TwoSources(ChannelId),
     /// A delay below 0, or a time constant or sample time that is not above 0.
+    #[error("a delay is below 0, or another time is not above 0")]
     BadTime,
     /// A bounce of an odd number of edges, of none or of too many.
+    #[error("the edges of a bounce must be an even number from 2 to {}", MAX_BOUNCE_EDGES)]
     BounceEdges,
     /// A bounce with less than a nanosecond for each edge.
+    #[error("a bounce needs at least a nanosecond for each edge")]
     BounceTime,
     /// A wire that closes a ring of wires without delay: the level of such a ring is not defined.
+    #[error("the wire closes a ring of wires without delay")]
     Loop,
     /// A number that is infinite or no number.
+    #[error("a number is infinite or no number")]
     NotFinite,
     /// A switch that would go off where it goes on, or above.
+    #[error("a switch must go off below where it goes on")]
     NoHysteresis,
     /// A lag's target is of levels for an analog input, or linear for a digital one.
+    #[error("the lag's target does not fit the kind of its input")]
     TargetKind,
 }
 
 /// A circuit that cannot be built.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("{part}: {fault}")]
 pub struct CircuitError {
     /// Where.
     pub part: CircuitPart,
     /// What.
+    #[source]
     pub fault: CircuitFault,
 }
-
-impl fmt::Display for CircuitFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TooMany => write!(f, "more than {MAX_PARTS} channels, wires or plants"),
-            Self::DuplicateName { .. } => write!(f, "a channel before it has the same name"),
-            Self::BadSafeValue => write!(f, "the safe value does not fit the kind of channel"),
-            Self::NoChannel(_) => write!(f, "no such channel"),
-            Self::NotDigital(_) => write!(f, "a digital channel is needed here"),
-            Self::NotAnalog(_) => write!(f, "an analog channel is needed here"),
-            Self::NotCount(_) => write!(f, "a count is needed here"),
-            Self::KindsDiffer => write!(f, "a wire joins channels of different kinds, or a count"),
-            Self::NotForAnalog => write!(f, "an analog wire can neither invert nor bounce"),
-            Self::TwoSources(_) => write!(f, "an analog channel is driven from two sides"),
-            Self::BadTime => write!(f, "a delay is below 0, or another time is not above 0"),
-            Self::BounceEdges => {
-                write!(f, "the edges of a bounce must be an even number from 2 to {MAX_BOUNCE_EDGES}")
-            }
-            Self::BounceTime => write!(f, "a bounce needs at least a nanosecond for each edge"),
-            Self::Loop => write!(f, "the wire closes a ring of wires without delay"),
-            Self::NotFinite => write!(f, "a number is infinite or no number"),
-            Self::NoHysteresis => write!(f, "a switch must go off below where it goes on"),
-            Self::TargetKind => write!(f, "the lag's target does not fit the kind of its input"),
-        }
-    }
-}
-
-impl fmt::Display for CircuitError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.part {
-            CircuitPart::Channel(n) => write!(f, "channel {n}: {}", self.fault),
-            CircuitPart::Wire(n) => write!(f, "wire {n}: {}", self.fault),
-            CircuitPart::Plant(n) => write!(f, "plant {n}: {}", self.fault),
-            CircuitPart::Switch { plant, switch } => {
-                write!(f, "plant {plant}, switch {switch}: {}", self.fault)
-            }
-        }
-    }
-}
-
-impl std::error::Error for CircuitError {}
 
 /// The most channels, and the most wires, and the most plants of a circuit.
 pub const MAX_PARTS: usize = 4_096;

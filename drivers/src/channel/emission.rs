@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use signal::Span;
+use thiserror::Error;
 
 /// What a channel can emit by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,38 +37,29 @@ pub enum Emission {
 }
 
 /// Why a channel cannot emit something.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Error)]
 pub enum NotEmitted {
     /// It emits nothing by itself.
+    #[error("nothing behind it makes pulses by itself")]
     Nothing,
     /// It has no square wave without end.
+    #[error("it emits counted pulses alone, no wave without end")]
     Endless,
     /// It cannot count pulses.
+    #[error("it emits waves without end alone, and cannot count their pulses")]
     Counted,
     /// A level would last less than this.
+    #[error("it keeps a level for at least {0}")]
     Short(Span),
     /// The period would be longer than this.
+    #[error("its periods last at most {0}")]
     Long(Span),
     /// The pulses last longer than this.
+    #[error("its pulses last at most {0} in all")]
     Lasting(Span),
     /// The edges are not in order, or odd in number.
+    #[error("its edges are not in order")]
     Disorder,
-}
-
-impl std::fmt::Display for NotEmitted {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            NotEmitted::Nothing => write!(f, "nothing behind it makes pulses by itself"),
-            NotEmitted::Endless => write!(f, "it emits counted pulses alone, no wave without end"),
-            NotEmitted::Counted => {
-                write!(f, "it emits waves without end alone, and cannot count their pulses")
-            }
-            NotEmitted::Short(limit) => write!(f, "it keeps a level for at least {limit}"),
-            NotEmitted::Long(limit) => write!(f, "its periods last at most {limit}"),
-            NotEmitted::Lasting(limit) => write!(f, "its pulses last at most {limit} in all"),
-            NotEmitted::Disorder => write!(f, "its edges are not in order"),
-        }
-    }
 }
 
 impl PulseCapability {

@@ -27,21 +27,26 @@ impl BitClock {
         u64::try_from(twice / (2 * SECOND)).unwrap_or(u64::MAX)
     }
 
-    /// How long so many bits last, in nanoseconds, not rounded up.
-    pub fn lasts(self, bits: u64) -> i64 {
-        i64::try_from(i128::from(bits) * SECOND / i128::from(self.hz)).unwrap_or(i64::MAX)
+    /// How long so many bits last, not rounded up.
+    pub fn lasts(self, bits: u64) -> Span {
+        span(i128::from(bits) * SECOND / i128::from(self.hz))
     }
 
     /// The same, rounded up.
-    pub fn lasts_at_least(self, bits: u64) -> i64 {
+    pub fn lasts_at_least(self, bits: u64) -> Span {
         let (hz, whole) = (i128::from(self.hz), i128::from(bits) * SECOND);
-        i64::try_from((whole + hz - 1) / hz).unwrap_or(i64::MAX)
+        span((whole + hz - 1) / hz)
     }
 
     /// The shortest time, in whole nanoseconds, that is no less than a bit: edges so far apart are never one.
     pub fn period(self) -> Span {
-        Span::from_nanos(self.lasts_at_least(1))
+        self.lasts_at_least(1)
     }
+}
+
+/// So many nanoseconds.
+fn span(nanos: i128) -> Span {
+    i64::try_from(nanos).map_or(Span::MAX, Span::from_nanos)
 }
 
 /// How bits lie in bytes and what they mean.
@@ -149,11 +154,12 @@ mod tests {
             let clock = BitClock::new(hz);
             let layout = BitLayout { lsb_first, inverted, lead };
             let mut at = clock.lasts(first);
-            let mut edges = vec![Span::from_nanos(at)];
+            let mut edges = vec![at];
             for width in &widths {
                 // From a bit on, by thousandths of one.
-                at += clock.period().as_nanos() + clock.lasts(u64::from(*width)) / 1_000;
-                edges.push(Span::from_nanos(at));
+                let more = clock.lasts(u64::from(*width)).as_nanos() / 1_000;
+                at = at + clock.period() + Span::from_nanos(more);
+                edges.push(at);
             }
             edges.truncate(edges.len() / 2 * 2);
             let mut bytes = vec![0xaa; 256];

@@ -55,10 +55,10 @@ impl SentStream {
     fn at(&self, clock: BitClock, layout: BitLayout, edge: Span, collector: &EventCollector<'_>) -> When {
         let SentPulses { before, after, bits } = self.sent;
         let bit = layout.lead.saturating_add(clock.bit(edge));
-        let earliest = before + Span::from_nanos(clock.lasts(bit));
+        let earliest = before + clock.lasts(bit);
         // In some modes a bit begins half a period earlier against its clock than in others.
         let behind = bits.saturating_sub(bit.saturating_add(1));
-        let latest = (after - Span::from_nanos(clock.lasts(behind))).max(earliest);
+        let latest = (after - clock.lasts(behind)).max(earliest);
         let at: [Time; 2] = [earliest, latest].map(|stamp| collector.time.at(stamp));
         When::within(at[0], at[1])
     }

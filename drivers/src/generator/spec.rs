@@ -96,7 +96,7 @@ impl StreamSpec {
             shortest: self.clock.period(),
             longest: Span::ZERO,
             resolution: self.clock.period(),
-            counted: Span::from_nanos(self.clock.lasts(last)),
+            counted: self.clock.lasts(last),
             endless: false,
         }
     }
@@ -146,7 +146,7 @@ impl PwmSpec {
     pub fn counted(&self, time: Span) -> u64 {
         let Some(clock) = self.clock else { return u64::try_from(time.as_nanos()).unwrap_or(0) };
         let lasts = clock.lasts_at_least(clock.bit(time).max(1));
-        u64::try_from(lasts).unwrap_or(0)
+        u64::try_from(lasts.as_nanos()).unwrap_or(0)
     }
 }
 

@@ -25,23 +25,23 @@ pub const BUFFER: u32 = 4_096;
 /// How often a byte, and at most a buffer, is sent at its opening to see how long it lasts.
 const TRIES: usize = 12;
 
-/// By how much a call may last longer than another one beside its bits, in ns.
-const CALL: i64 = 300_000;
+/// By how much a call may last longer than another one beside its bits.
+const CALL: Span = Span::from_micros(300);
 
 /// A clock may be slower than it was set to by one part in so many.
 const OFF: i64 = 50;
 
 /// The longest that bits may take of which the clock says that they last so long.
-const fn most(lasts: i64) -> i64 {
-    lasts.saturating_add(lasts / OFF).saturating_add(CALL)
+fn most(lasts: Span) -> Span {
+    lasts + Span::from_nanos(lasts.as_nanos() / OFF) + CALL
 }
 
 /// Whether bits of which the clock says that they last so long last longer, by what was found, shortest first. A machine
 /// that is too busy to tell comes back late by another time at each turn; a clock is late by the same.
-fn is_late(whole: i64, found: &[i64]) -> bool {
-    let best = found.first().copied().unwrap_or(0);
+fn is_late(whole: Span, found: &[Span]) -> bool {
+    let best = found.first().copied().unwrap_or(Span::ZERO);
     let third = found.get(found.len() / 3).copied().unwrap_or(best);
-    best > most(whole) && best.saturating_sub(most(whole)) > third.saturating_sub(best)
+    best > most(whole) && best - most(whole) > third - best
 }
 
 /// Bits of a word.
@@ -87,12 +87,8 @@ impl Stream {
         if is_late(whole, &found) {
             let lasts = found[0];
             let hz = i128::from(u64::from(spec.buffer) * u64::from(WORD)) * 1_000_000_000
-                / i128::from(lasts.max(1));
-            let message = format!(
-                "{path} takes {} for bits that last {}",
-                Span::from_nanos(lasts),
-                Span::from_nanos(whole)
-            );
+                / i128::from(lasts.as_nanos().max(1));
+            let message = format!("{path} takes {lasts} for bits that last {whole}");
             let help = format!(
                 "the controller pauses between words or has no such clock, as from {hz} bits a second: take a `clock` \
                  that it can keep"
@@ -103,20 +99,20 @@ impl Stream {
     }
 
     /// How long a whole buffer is to last at its clock, and how long it lasts: by how much a call with it is longer than one
-    /// with a single byte, a few times, shortest first. In nanoseconds.
-    fn pace(&mut self, spec: &StreamSpec) -> io::Result<(i64, [i64; TRIES])> {
+    /// with a single byte, a few times, shortest first.
+    fn pace(&mut self, spec: &StreamSpec) -> io::Result<(Span, [Span; TRIES])> {
         let word = u64::from(WORD);
         let lasts = |bits: u64| spec.clock.lasts(bits);
         let whole = lasts(u64::from(spec.buffer) * word);
-        let mut call = |bytes: usize| self.send(bytes).map(|sent| (sent.after - sent.before).as_nanos());
-        let mut least = i64::MAX;
+        let mut call = |bytes: usize| self.send(bytes).map(|sent| sent.after - sent.before);
+        let mut least = Span::MAX;
         for _ in 0..TRIES {
             least = least.min(call(1)?);
         }
-        let mut found = [i64::MAX; TRIES];
+        let mut found = [Span::MAX; TRIES];
         for found in &mut found {
-            let longer = call(spec.buffer as usize)?.saturating_sub(least);
-            *found = longer.saturating_add(lasts(word));
+            let longer = call(spec.buffer as usize)? - least;
+            *found = longer + lasts(word);
             if *found <= most(whole) {
                 break;
             }
@@ -218,7 +214,7 @@ impl Generator for Stream {
 
     fn lasts(&self, edges: &[Span]) -> Span {
         let last = edges.last().map_or(0, |edge| self.clock.bit(*edge));
-        Span::from_nanos(self.clock.lasts(self.layout.bytes(last).saturating_mul(u64::from(WORD))))
+        self.clock.lasts(self.layout.bytes(last).saturating_mul(u64::from(WORD)))
     }
 
     fn look(&mut self) -> io::Result<()> {
@@ -237,13 +233,15 @@ mod tests {
 
     #[test]
     fn a_slow_clock_is_told_from_a_busy_machine() {
-        const MS: i64 = 1_000_000;
-        assert!(!is_late(32 * MS, &[32 * MS + 900_000, i64::MAX]));
+        let ms = Span::from_millis;
+        let us = Span::from_micros;
+        assert!(!is_late(ms(32), &[us(32_900), Span::MAX]));
         // Half the clock, and now and then a machine that is late.
-        assert!(is_late(32 * MS, &[64 * MS, 64 * MS + 50_000, 64 * MS + 90_000, 70 * MS, 80 * MS, 95 * MS]));
+        assert!(is_late(ms(32), &[ms(64), us(64_050), us(64_090), ms(70), ms(80), ms(95)]));
         // The clock of the lab, on a machine that has no time.
-        assert!(!is_late(32 * MS, &[34 * MS, 35 * MS, 38 * MS, 40 * MS, 51 * MS, 90 * MS]));
+        assert!(!is_late(ms(32), &[34, 35, 38, 40, 51, 90].map(ms)));
         // So many bits a second as there are none.
-        assert!(is_late(8_192, &[655_360, 700_000, 730_000, 5 * MS, 5 * MS, 6 * MS]));
+        let ns = Span::from_nanos;
+        assert!(is_late(ns(8_192), &[ns(655_360), us(700), us(730), ms(5), ms(5), ms(6)]));
     }
 }

@@ -289,8 +289,8 @@ impl Search<'_> {
             }
         };
         let Some(line) = line else {
-            let (message, help) = missing(named, info, &chip);
-            self.error(codes::LINE_MISSING, named.place.clone(), message, help);
+            let missing = missing(named, info, &chip);
+            self.found.push(missing.finding(self.file, named.place.clone()));
             return None;
         };
         if let Some(holder) = line.holder() {
@@ -330,8 +330,8 @@ fn shown(line: &LineInfo) -> String {
     }
 }
 
-fn missing(named: &NamedLine, info: &ChipInfo, chip: &str) -> (String, String) {
-    match &named.find {
+fn missing(named: &NamedLine, info: &ChipInfo, chip: &str) -> Refusal {
+    let (message, help) = match &named.find {
         FindLine::Number(number) => {
             let help = match info.lines.len() {
                 0 => String::from("it has no lines"),
@@ -348,7 +348,8 @@ fn missing(named: &NamedLine, info: &ChipInfo, chip: &str) -> (String, String) {
             };
             (format!("{chip} has no line named {name}"), help)
         }
-    }
+    };
+    Refusal::new(codes::LINE_MISSING, message, help)
 }
 
 fn wanted(line: &LineSpec, number: u32, output: bool) -> Wanted {
