@@ -94,8 +94,10 @@ impl SharedChip {
         self.answer.ring();
     }
 
-    /// The chip answered with this error: it is gone if that is what the error says.
+    /// The chip answered with this error: it is gone if that is what the error says. By the threads of the chip alone, which log
+    /// it.
     pub(super) fn refused(&self, error: &std::io::Error) {
+        tracing::debug!(%error, "a call on the device failed");
         self.failed.fetch_add(1, Ordering::Relaxed);
         let code = error.raw_os_error().unwrap_or(0);
         if crate::gone::is_gone(code, &[]) {
@@ -105,8 +107,16 @@ impl SharedChip {
 
     /// The chip is gone, or cannot be worked with any more.
     pub(super) fn ends(&self, code: i32) {
+        tracing::info!(code, "the device is given up");
         self.gone_at.set(HostInstant::now());
         self.gone.store(code, Ordering::Release);
+    }
+
+    /// A call ended that began at `since`: one that lasted longer than `limit` counted as one that hangs.
+    pub(super) fn log_hung(since: HostInstant, limit: Span) {
+        if tracing::enabled!(tracing::Level::DEBUG) && since.elapsed() > limit {
+            tracing::debug!(lasted = %since.elapsed(), "a call on the device hung and has ended");
+        }
     }
 
     /// Whether it is.
@@ -210,4 +220,64 @@ pub(super) fn sources(port: &dyn GpioPort) -> impl Iterator<Item = BorrowedFd<'_
 pub(super) fn timespec(span: Span) -> Timespec {
     let nanos = span.as_nanos().max(0);
     Timespec { tv_sec: nanos / 1_000_000_000, tv_nsec: nanos % 1_000_000_000 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fmt::Debug;
+    use std::sync::Mutex;
+    use tracing::field::{Field, Visit};
+    use tracing::span::{Attributes, Id, Record};
+    use tracing::{Event, Metadata, Subscriber};
+
+    /// The messages that were logged.
+    #[derive(Clone, Default)]
+    struct Logged(Arc<Mutex<Vec<String>>>);
+
+    impl Visit for Logged {
+        fn record_debug(&mut self, field: &Field, value: &dyn Debug) {
+            if field.name() == "message" {
+                self.0.lock().unwrap().push(format!("{value:?}"));
+            }
+        }
+    }
+
+    impl Subscriber for Logged {
+        fn enabled(&self, _metadata: &Metadata<'_>) -> bool {
+            true
+        }
+
+        fn new_span(&self, _span: &Attributes<'_>) -> Id {
+            Id::from_u64(1)
+        }
+
+        fn record(&self, _span: &Id, _values: &Record<'_>) {}
+
+        fn record_follows_from(&self, _span: &Id, _follows: &Id) {}
+
+        fn event(&self, event: &Event<'_>) {
+            event.record(&mut self.clone());
+        }
+
+        fn enter(&self, _span: &Id) {}
+
+        fn exit(&self, _span: &Id) {}
+    }
+
+    #[test]
+    fn what_becomes_of_a_chip_is_logged() {
+        let logged = Logged::default();
+        tracing::subscriber::with_default(logged.clone(), || {
+            let shared = SharedChip::new();
+            shared.refused(&rustix::io::Errno::BUSY.into());
+            shared.refused(&rustix::io::Errno::NODEV.into());
+            let now = HostInstant::now();
+            SharedChip::log_hung(now, Span::from_secs(60));
+            SharedChip::log_hung(now - Span::from_secs(2), Span::from_secs(1));
+        });
+        let failed = "a call on the device failed";
+        let hung = "a call on the device hung and has ended";
+        assert_eq!(*logged.0.lock().unwrap(), [failed, failed, "the device is given up", hung]);
+    }
 }

@@ -152,6 +152,7 @@ impl ChipThread {
         self.took(taken);
         let outcome = self.port.set(bits);
         let after = HostInstant::now();
+        SharedChip::log_hung(before, self.idle);
         // The call that reads comes next.
         self.shared.in_call.set(after);
         match outcome {
@@ -188,7 +189,11 @@ impl ChipThread {
         if self.shared.in_call.get().is_none() {
             self.shared.in_call.set(HostInstant::now());
         }
-        match self.port.get() {
+        let outcome = self.port.get();
+        if let Some(since) = self.shared.in_call.get() {
+            SharedChip::log_hung(since, self.idle);
+        }
+        match outcome {
             Ok(levels) => self.compare(levels),
             Err(error) => self.refused(&error),
         }
@@ -230,11 +235,13 @@ impl ChipThread {
         self.pace.begin();
         self.astray = 0;
         self.shared.touched.store(0, Ordering::Release);
-        self.shared.in_call.set(HostInstant::now());
+        let began = HostInstant::now();
+        self.shared.in_call.set(began);
         let driven = self.port.set(self.safe);
         let before = HostInstant::now();
         let outcome = driven.and_then(|()| self.port.survey());
         let after = HostInstant::now();
+        SharedChip::log_hung(began, self.idle);
         match outcome {
             Ok(levels) => {
                 self.driven = Some(self.safe);

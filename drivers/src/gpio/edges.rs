@@ -145,6 +145,7 @@ impl Edges {
 
     /// The chip is gone, or its edges cannot be had.
     fn give_up(self, error: &std::io::Error) {
+        tracing::debug!(%error, "edges of the device cannot be had");
         self.shared.failed.fetch_add(1, Ordering::Relaxed);
         self.shared.ends(error.raw_os_error().unwrap_or(Errno::NODEV.raw_os_error()));
         self.bell.ring();

@@ -60,11 +60,18 @@ struct Known {
     spec: usize,
     device: String,
     shared: Arc<SharedChip>,
+    /// It was logged that it is looked for.
+    is_looked_for: bool,
 }
 
 impl Known {
     fn of(chip: &Chip) -> Known {
-        Known { spec: chip.spec, device: chip.device.clone(), shared: chip.lines.shared.clone() }
+        Known {
+            spec: chip.spec,
+            device: chip.device.clone(),
+            shared: chip.lines.shared.clone(),
+            is_looked_for: false,
+        }
     }
 }
 
@@ -111,10 +118,14 @@ impl Search {
             while self.old.pop().is_ok() {}
             for at in 0..self.chips.len() {
                 let gone = self.chips[at].shared.is_gone();
+                if gone && !std::mem::replace(&mut self.chips[at].is_looked_for, true) {
+                    tracing::debug!(device = self.chips[at].device, "the device is looked for");
+                }
                 if gone
                     && !self.back.is_full()
                     && let Some(chip) = self.reconnect(at)
                 {
+                    tracing::info!(device = chip.device, "the device is there again");
                     self.chips[at] = Known::of(&chip);
                     // There is room.
                     let _ = self.back.push(Reconnected { at, chip });
