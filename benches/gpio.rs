@@ -3,7 +3,7 @@
 //!
 //!     cargo bench -p scanrig-drivers --bench gpio
 //!
-//! One thread does all: what wakes one thread from the other is a call of the kernel, too, and told by itself.
+//! One thread does all: what wakes one thread from the other is a call of the kernel, too, and reported by itself.
 
 #[path = "../drivers/tests/fake/mod.rs"]
 mod fake;

@@ -46,7 +46,7 @@ impl Bus {
     }
 }
 
-/// What a bus has to tell.
+/// What a bus has to report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(clippy::large_enum_variant, reason = "copied between queues that never allocate")]
 pub enum BusEvent {

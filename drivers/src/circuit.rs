@@ -83,7 +83,7 @@ pub enum Spacing {
     Even,
 }
 
-/// Contact bounce: further edges behind every change of a wire.
+/// Contact bounce: further edges after every change of a wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Bounce {
     /// Further edges: even, so that the line ends where it belongs; at most [`MAX_BOUNCE_EDGES`].

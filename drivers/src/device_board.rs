@@ -243,7 +243,7 @@ impl<H: DeviceHandle> Board for DeviceBoard<H> {
         Ok(())
     }
 
-    /// What lies ahead of the last poll or was left to the next, and when a device that owes an answer counts as lost.
+    /// What lies ahead of the last poll or was left to the next, and when a device whose answer is due counts as lost.
     fn next_event(&self) -> Option<Time> {
         let deadlines = self.devices.iter().filter_map(H::overdue);
         self.run.next_event(&self.context.time, deadlines)

@@ -1,4 +1,4 @@
-//! What a board has to tell, and how it fares.
+//! What a board has to report, and how it fares.
 
 use std::fmt;
 
@@ -44,7 +44,7 @@ impl fmt::Display for LossReason {
     }
 }
 
-/// What a board has to tell.
+/// What a board has to report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BoardEvent {
     /// A line has another value.

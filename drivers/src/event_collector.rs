@@ -17,7 +17,7 @@ pub struct EventCollector<'a> {
     pub(crate) dropped: u64,
     /// The next event that lies ahead of this poll.
     pub(crate) ahead: Option<Time>,
-    /// The newest event so far, and whether one behind it is older.
+    /// The newest event so far, and whether one after it is older.
     newest: Time,
     disorder: bool,
 }
@@ -73,7 +73,7 @@ impl<'a> EventCollector<'a> {
         Some(report)
     }
 
-    /// There is more to tell than one poll does.
+    /// There is more to report than one poll does.
     pub(crate) fn goes_on(&mut self) {
         self.ahead = Some(self.now);
     }

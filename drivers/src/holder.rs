@@ -52,7 +52,7 @@ fn command(words: &[u8]) -> String {
 
 /// How long a process runs, from its line of figures and the time since the machine started.
 fn runs_for(stat: &str, since_boot: &str) -> Option<u64> {
-    // Its name, which may be anything, stands in brackets; behind it the start is the twentieth figure.
+    // Its name, which may be anything, stands in brackets; after it the start is the twentieth figure.
     let ticks: u64 = stat.rsplit_once(')')?.1.split_whitespace().nth(19)?.parse().ok()?;
     let now: u64 = since_boot.split('.').next()?.parse().ok()?;
     Some(now.saturating_sub(ticks.checked_div(clock_ticks_per_second())?))

@@ -158,7 +158,7 @@ fn target(link: &Path) -> Option<String> {
     Some(fs::read_link(link).ok()?.file_name()?.to_string_lossy().into_owned())
 }
 
-/// The place of a device in `/sys`, from which its number has gone where the link tells its place.
+/// The place of a device in `/sys`, from which its number has gone where the link gives its place.
 fn place(at: &Path) -> String {
     let device = fs::canonicalize(at.join("device")).ok();
     let inside = device.and_then(|path| {
@@ -171,7 +171,7 @@ fn place(at: &Path) -> String {
     )
 }
 
-/// A key that sorts `spidev0.10` behind `spidev0.9`.
+/// A key that sorts `spidev0.10` after `spidev0.9`.
 fn natural(text: &str) -> Vec<(bool, u64, String)> {
     let mut parts: Vec<(bool, u64, String)> = Vec::new();
     for c in text.chars() {

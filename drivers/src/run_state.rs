@@ -76,7 +76,7 @@ impl RunState {
         self.fresh.take()
     }
 
-    /// A poll has told everything.
+    /// A poll has reported everything.
     pub(crate) fn polled(&mut self, mut collector: EventCollector<'_>) {
         self.dropped += collector.dropped;
         self.ahead = collector.ahead;
@@ -88,7 +88,7 @@ impl RunState {
         self.ahead = ahead;
     }
 
-    /// What lies ahead of the last poll, and when the first device counts as lost that owes an answer until one of these
+    /// What lies ahead of the last poll, and when the first device counts as lost whose answer is due by one of these
     /// instants.
     pub(crate) fn next_event(
         &self,

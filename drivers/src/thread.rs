@@ -262,7 +262,7 @@ impl DeviceThread {
         self.lost.is_some()
     }
 
-    /// Why nothing is to be had of the device, which owes an answer until `due`, and for how long.
+    /// Why nothing is to be had of the device, whose answer is due by `due`, and for how long.
     pub(crate) fn lost_since(&self, due: Option<HostInstant>) -> (LossReason, Span) {
         let (reason, since) = match self.is_gone() {
             true => (LossReason::Gone, self.presence.gone_at.get()),
@@ -278,12 +278,12 @@ impl DeviceThread {
         BoardError::Lost { channel, reason, since }
     }
 
-    /// When the device counts as unresponsive that owes an answer until `due`.
+    /// When the device counts as unresponsive whose answer is due by `due`.
     pub(crate) fn overdue(&self, due: Option<HostInstant>) -> Option<HostInstant> {
         due.filter(|_| self.lost.is_none())
     }
 
-    /// What became by `now` of a device that owes an answer until `due`; `None` where that was reported.
+    /// What became by `now` of a device whose answer is due by `due`; `None` where that was reported.
     pub(crate) fn presence_change(
         &mut self,
         due: Option<HostInstant>,
@@ -307,7 +307,7 @@ impl DeviceThread {
         self.lost.take().is_none()
     }
 
-    /// Reports what became of a device of these channels, which owes an answer until `due`. TRUE where it answers again: then
+    /// Reports what became of a device of these channels, whose answer is due by `due`. TRUE where it answers again: then
     /// what is there now is to be reported.
     pub(crate) fn report_presence(
         &mut self,

@@ -45,7 +45,7 @@ impl Bench {
         self.at.time.restart();
         self.board.start(Time::ZERO)?;
         self.poll();
-        // A busy machine misses readings from the start on, which is told.
+        // A busy machine misses readings from the start on, which is reported.
         self.events.retain(|event| !matches!(event, BoardEvent::Dropped { .. }));
         assert_eq!(self.events.len(), INPUTS, "the first value of every channel: {:?}", self.events);
         assert!(self.events.iter().all(|event| event.latest() == Time::ZERO), "{:?}", self.events);

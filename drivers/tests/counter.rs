@@ -138,7 +138,7 @@ fn a_device_that_was_gone_goes_on_from_what_was_told() {
     bench.moves(1);
     bench.until("a count", |bench| {
         let last = bench.changes().last().map(|last| last.1);
-        // It may have been opened before or behind this last step.
+        // It may have been opened before or after this last step.
         [Value::Int(20), Value::Int(21)].map(Some).contains(&last)
     });
 }

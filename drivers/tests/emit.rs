@@ -1,5 +1,5 @@
 //! What a board of generators makes of what a generator does, without a device: orders and their order, edges that are
-//! told a few at a time, calls that hang or fail, a device that goes and comes back.
+//! reported a few at a time, calls that hang or fail, a device that goes and comes back.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;

@@ -306,11 +306,11 @@ fn pulses_that_are_late_are_driven_one_after_another() {
         }
     }
     assert!(bench.board.health().is_sound());
-    // What stands in the way of the others is told as ever.
+    // What stands in the way of the others is reported as ever.
     assert_eq!(bench.count("o0"), (1, 0));
 }
 
-/// More pulses than can wait: those that are lost are told.
+/// More pulses than can wait: those that are lost are reported.
 #[test]
 fn pulses_without_room_are_told_as_lost() {
     let mut bench = Bench::patient(PATIENT);
@@ -335,7 +335,7 @@ fn a_device_that_finds_nothing_left_to_do_is_not_silent() {
     bench.until("the chip would be lost by now", |_| Instant::now() > due);
     assert_eq!(bench.board.health().lost, 0);
     assert!(!bench.events.iter().any(|event| matches!(event, BoardEvent::Lost { .. })));
-    // What cancelled is told.
+    // What cancelled is reported.
     let (seen, lost) = bench.count("o0");
     assert!(lost > 0 && seen % 2 == 0, "{seen} {lost}");
 }

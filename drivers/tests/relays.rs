@@ -60,7 +60,7 @@ fn moves(board: &mut impl Board, until: i64) -> Vec<(i64, u16, bool)> {
     moves
 }
 
-/// Polls away what the start tells.
+/// Polls away what the start reports.
 fn begun() -> FaultRelays<SimulatedBoard> {
     let mut board = board();
     assert_eq!(moves(&mut board, 0).len(), 4, "the relays are told off at the start");
@@ -93,7 +93,7 @@ fn one_relay_opens_before_another_closes() {
     let mut board = begun();
     board.inject(at_ms(0), fault(0, FaultKind::ShortToGround, None)).unwrap();
     board.inject(at_ms(2), fault(0, FaultKind::ShortToSupply, Some(100))).unwrap();
-    // The first one settles, opens, settles; then the second closes. Behind its end the older fault is back.
+    // The first one settles, opens, settles; then the second closes. After its end the older fault is back.
     let expected = [(0, 2, true), (10, 2, false), (20, 3, true), (102, 3, false), (112, 2, true)];
     assert_eq!(moves(&mut board, 150), expected);
     board.clear_faults(at_ms(150), ChannelId(0)).unwrap();
@@ -113,7 +113,7 @@ fn a_wire_that_can_be_seen_tells_when_it_is_shorted() {
     // What the world does to the wire meanwhile is not yet the short, whose level is 0.
     assert_eq!(level(&mut board, 2, true), None);
     assert_eq!(level(&mut board, 3, false), Some(When::exactly(at_ms(3))));
-    // Asked for once more it is there already; and of a wire that opens any change tells.
+    // Asked for once more it is there already; and of a wire that opens any change shows it.
     moves(&mut board, 20);
     board.inject(at_ms(20), fault(0, FaultKind::ShortToGround, None)).unwrap();
     assert_eq!(board.fault_settled_at(ChannelId(0)), Some(When::exactly(at_ms(20))));

@@ -237,7 +237,7 @@ fn ports_that_cannot_be_had_are_told_by_place() {
     assert_eq!(refused(near.to_str().unwrap()), "B0145");
 }
 
-/// Polls the board's buses until they tell something.
+/// Polls the board's buses until they report something.
 fn told(board: &mut dyn scanrig_drivers::Board, at: &BoardContext) -> Vec<BusEvent> {
     let mut events = Vec::new();
     let deadline = Instant::now() + Duration::from_secs(20);

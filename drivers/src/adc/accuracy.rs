@@ -1,6 +1,6 @@
 //! How far what a channel shows may lie from what it measures.
 
-/// What a board file says of the errors of an input and of all that lies in front of it, in the channel's unit behind its
+/// What a board file says of the errors of an input and of all that lies in front of it, in the channel's unit after its
 /// calibration. They add up.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Accuracy {

@@ -107,7 +107,7 @@ pub trait Adc: Send + Debug {
     /// The kernel's: `ENODEV` and `ENXIO` where the device is gone.
     fn read(&mut self, out: &mut Vec<AdcReading>) -> io::Result<()>;
 
-    /// How many readings were lost on the way since a run began, as far as the device tells.
+    /// How many readings were lost on the way since a run began, as far as the device reports it.
     fn lost(&self) -> u64 {
         0
     }

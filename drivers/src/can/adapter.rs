@@ -35,7 +35,7 @@ pub enum Change {
 
 /// An interface that may come and go.
 pub trait Adapter: Send + fmt::Debug {
-    /// Opens it, if it is there as it should be, and tells how its controller takes part.
+    /// Opens it, if it is there as it should be, and reports how its controller takes part.
     ///
     /// # Errors
     /// What the kernel says; EINVAL where it is set up in another way.
@@ -108,7 +108,7 @@ impl Interface {
     }
 }
 
-/// How a controller that is up takes part. Some drivers never tell, and their interfaces say that they are stopped.
+/// How a controller that is up takes part. Some drivers never report it, and their interfaces say that they are stopped.
 fn taking_part(link: &Link) -> BusState {
     match link.state {
         Some(BusState::Stopped) | None => BusState::ErrorActive,

@@ -1,7 +1,7 @@
 //! Datagrams of one look, in the order in which they came from the bus.
 //!
 //! On several processors the kernel can hand frames over in another order: each processor has a queue of its own for what
-//! its interrupts bring. Its stamps tell the order.
+//! its interrupts bring. Its stamps give the order.
 
 use host::Received;
 
@@ -25,7 +25,7 @@ impl Arrivals {
         Arrivals(Vec::with_capacity(BATCH))
     }
 
-    /// Adds one behind all that were stamped before it, as it seems.
+    /// Adds one after all that were stamped before it, as it seems.
     pub(super) fn put(&mut self, arrival: Arrival) {
         self.0.push(arrival);
         for at in (1..self.0.len()).rev() {

@@ -178,7 +178,7 @@ impl Board for CanBoard {
         self.run.come_to(now)
     }
 
-    /// What lies ahead of the last poll, and when an interface that owes an answer counts as lost.
+    /// What lies ahead of the last poll, and when an interface whose answer is due counts as lost.
     fn next_event(&self) -> Option<Time> {
         let deadlines = self.nodes.iter().filter_map(Node::overdue);
         self.run.next_event(&self.context.time, deadlines)

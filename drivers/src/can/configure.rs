@@ -59,7 +59,7 @@ pub(super) fn configure(spec: &CanBusSpec, was: &Link) -> Result<(), NotSetUp> {
 
 /// Makes an interface what it was. One that had no bit rate keeps the one that it got: the kernel cannot take it away.
 pub(super) fn put_back(was: &Link) {
-    // It may be gone, and somebody else may have taken it down; there is nobody left to tell.
+    // It may be gone, and somebody else may have taken it down; there is nobody left to report it to.
     let _ = change(was.index, true, &Setup::of(was), was.up);
 }
 

@@ -69,7 +69,7 @@ pub(super) fn restarts_by_rig(spec: &CanBusSpec, link: &Link) -> bool {
     spec.restart.is_some() && link.restart_ms == 0 && !link.is_virtual()
 }
 
-/// How an interface is set up and how it fares, in words behind its name.
+/// How an interface is set up and how it fares, in words after its name.
 pub fn words(link: &Link) -> String {
     let mut words = String::new();
     if let Some(bits) = link.bits {

@@ -1,4 +1,4 @@
-//! What the kernel tells of a CAN interface: messages of rtnetlink (`linux/rtnetlink.h`, `linux/can/netlink.h`).
+//! What the kernel reports of a CAN interface: messages of rtnetlink (`linux/rtnetlink.h`, `linux/can/netlink.h`).
 
 use kind::{
     CAN_BERR_COUNTER, CAN_BITTIMING, CAN_CTRLMODE, CAN_DATA_BITTIMING, CAN_RESTART_MS, CAN_STATE,
@@ -68,7 +68,7 @@ impl Modes {
     }
 }
 
-/// An interface as the kernel tells of it.
+/// An interface as the kernel reports it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Link {
     /// Its number.
@@ -77,7 +77,7 @@ pub struct Link {
     pub name: String,
     /// It is up.
     pub up: bool,
-    /// The kernel lets frames pass: not so in bus-off, and for a moment behind it.
+    /// The kernel lets frames pass: not so in bus-off, and for a moment after it.
     pub running: bool,
     /// The most bytes of a frame as the kernel passes them: 16 of classic CAN, 72 of CAN FD.
     pub mtu: u32,
@@ -111,7 +111,7 @@ pub enum News {
     Is(Link),
     /// An interface is gone.
     Gone(Link),
-    /// The kernel refuses what it was asked or told, with this error number; 0: what it was told is done.
+    /// The kernel refuses what it was asked, with this error number; 0: what it was asked is done.
     Refused(i32),
 }
 

@@ -13,14 +13,14 @@ use rustix::time::Timespec;
 use super::link::{Link, News, read};
 use super::order::question;
 
-/// Room for what the kernel tells of an interface: it sends at most a page or two.
+/// Room for what the kernel reports of an interface: it sends at most a page or two.
 const ROOM: usize = 32 * 1024;
-/// Membership in the group that is told of every change of an interface.
+/// Membership in the group that gets every change of an interface.
 const CHANGES: u32 = 1;
 /// How long an answer is waited for: the kernel answers at once, but for somebody who holds up all interfaces.
 const PATIENCE: Timespec = Timespec { tv_sec: 2, tv_nsec: 0 };
 
-/// A socket that is told of changes of interfaces.
+/// A socket that gets changes of interfaces.
 #[derive(Debug)]
 pub struct Watch {
     socket: OwnedFd,
@@ -74,7 +74,7 @@ pub fn ask(name: &str) -> io::Result<Link> {
     }
 }
 
-/// Tells the kernel to change an interface, and waits until it has.
+/// Has the kernel change an interface, and waits until it has.
 ///
 /// # Errors
 /// EPERM without the privilege (CAP_NET_ADMIN), and what else the kernel says.

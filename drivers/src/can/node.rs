@@ -28,7 +28,7 @@ pub(super) struct Node {
     pub(super) reports: Consumer<CanReport>,
     /// How long the end of the thread is waited for.
     patience: Span,
-    /// What the thread had seen to when it was looked at last, and when it owed the rest.
+    /// What the thread had seen to when it was looked at last, and since when the rest was due.
     heard: u64,
     since: HostInstant,
     /// How the controller took part at the start, until it is reported.
@@ -107,7 +107,7 @@ impl Node {
         start
     }
 
-    /// Waits until the thread has begun anew and the interface is there. FALSE where it is not in time.
+    /// Waits until the thread has begun again and the interface is there. FALSE where it is not in time.
     pub(super) fn await_start(&mut self, start: u64, due: HostInstant) -> bool {
         loop {
             while let Ok(report) = self.reports.pop() {
@@ -184,7 +184,7 @@ impl Node {
         self.shared.heard.load(Ordering::Acquire) < self.shared.asked.load(Ordering::Acquire)
     }
 
-    /// Until when an answer is owed.
+    /// Until when an answer is due.
     fn due(&self) -> Option<HostInstant> {
         let owing = Some(self.since).filter(|_| self.owing());
         let called = self.shared.in_call.get();

@@ -1,4 +1,4 @@
-//! What the kernel is asked and told about a CAN interface: messages of rtnetlink.
+//! What the kernel is asked and ordered about a CAN interface: messages of rtnetlink.
 
 use super::link::{BitTiming, Link, Modes, kind};
 use super::spec::CanBusSpec;
@@ -7,7 +7,7 @@ use super::wire;
 /// Marks of a message: it is a request, and an answer is wanted in any case.
 const REQUEST: u16 = 1;
 const ANSWER: u16 = 4;
-/// Words of `struct can_bittiming` behind bit rate and sample point: the kernel works them out.
+/// Words of `struct can_bittiming` after bit rate and sample point: the kernel works them out.
 const WORKED_OUT: usize = 6;
 
 /// How an interface is set up, as far as the rig does so.
@@ -74,7 +74,7 @@ pub fn question(name: &str) -> Vec<u8> {
     message(kind::GET_LINK, REQUEST, 0, [0; 2], &[attribute(kind::NAME, &text)])
 }
 
-/// The order to change nothing about the interface of this number: the answer tells whether the rig may.
+/// The order to change nothing about the interface of this number: the answer says whether the rig may.
 pub fn nothing(index: u32) -> Vec<u8> {
     change(index, [0; 2], &[])
 }
@@ -147,9 +147,9 @@ mod tests {
     use super::super::link::{News, read};
     use super::*;
 
-    /// What the kernel would tell of an interface that became as it was told.
+    /// What the kernel would report of an interface that became as it was set up.
     fn read_back(mut order: Vec<u8>) -> Link {
-        // The kernel names the interface; it does so behind what was told.
+        // The kernel names the interface; it does so after what was set up.
         order.extend(attribute(kind::NAME, b"can0\0"));
         let len = order.len() as u32;
         order[..4].copy_from_slice(&len.to_ne_bytes());

@@ -70,7 +70,7 @@ impl KernelPort {
     }
 }
 
-/// Everything that the bus tells, and nothing of others.
+/// Everything that the bus reports, and nothing of others.
 fn prepared<S: Socket + SocketOptions>(socket: S, spec: &CanBusSpec) -> io::Result<S> {
     socket.set_nonblocking(true)?;
     socket.set_recv_own_msgs(true)?;

@@ -30,7 +30,7 @@ pub struct Reported {
     errors: [Option<BusError>; MOST],
     /// How it takes part from now on; `None` where that is as before.
     pub state: Option<BusState>,
-    /// Its counters of errors while sending and while receiving, where it tells them.
+    /// Its counters of errors while sending and while receiving, where it reports them.
     pub counters: Option<(u8, u8)>,
 }
 
@@ -55,7 +55,7 @@ impl Reported {
         } else {
             None
         };
-        // A controller that nobody answers tells a bus error, too: that is no second one.
+        // A controller that nobody answers reports a bus error, too: that is no second one.
         let protocol = has(PROTOCOL) || has(BUS_ERROR) && !has(NO_ACK);
         // The position of the bit is 0 where the controller does not know it.
         let bit = Some(details[0]).filter(|bit| *bit != 0);

@@ -20,7 +20,7 @@ const FDF: u8 = 4;
 /// The lengths that a CAN FD frame can have.
 const FD_LENGTHS: [u8; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64];
 
-/// What a socket told.
+/// What a socket reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Datagram {
     /// A frame of the bus.
@@ -29,7 +29,7 @@ pub enum Datagram {
     Report(u32, [u8; 8]),
 }
 
-/// Reads what a socket told. `None` where it is nothing that the kernel would write.
+/// Reads what a socket reported. `None` where it is nothing that the kernel would write.
 pub fn decode(bytes: &[u8]) -> Option<Datagram> {
     let fd = match bytes.len() {
         CLASSIC => false,

@@ -57,7 +57,7 @@ pub struct Channel {
     pub timestamp: TimestampSource,
     /// Width of the interval in which an event is stamped (0 = exact).
     pub resolution: Span,
-    /// The shortest pulse that is certain to be seen; [`Span::MAX`] where the board cannot tell.
+    /// The shortest pulse that is certain to be seen; [`Span::MAX`] where the board cannot say.
     pub shortest_pulse: Span,
     /// The fastest pulse train that [`Board::write`](crate::Board::write) can emit on it, in Hz (0 = none).
     pub max_pulse_hz: u64,
@@ -70,7 +70,7 @@ pub struct Channel {
     pub faults: FaultSet,
     /// What a driven line is left at by [`Board::start`](crate::Board::start) and [`Board::safe`](crate::Board::safe).
     pub safe: Value,
-    /// How far an analog channel can move from what was told of it without being told again, in its unit; 0 for not at
+    /// How far an analog channel can move from what was reported of it without being reported again, in its unit; 0 for not at
     /// all.
     pub deadband: f64,
 }

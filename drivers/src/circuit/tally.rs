@@ -6,7 +6,7 @@ use crate::counting::{CountEdge, CountFunction};
 /// A count of modelled lines, behind a channel of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TallySpec {
-    /// The channel that tells it.
+    /// The channel that reports it.
     pub channel: ChannelId,
     /// Signal A.
     pub a: ChannelId,

@@ -31,7 +31,7 @@ pub fn describe(
             continue;
         };
         let period = counter.period;
-        let (timestamp, resolution, shortest) = match counter.tells_steps() {
+        let (timestamp, resolution, shortest) = match counter.reports_steps() {
             true => (TimestampSource::Kernel, resolution, Span::ZERO),
             // No pulse is missed, but a count that was there and is gone again between two readings.
             false => (TimestampSource::Sampled { period }, period, counter.longest(unresponsive_after)),

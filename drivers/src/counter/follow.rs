@@ -54,16 +54,16 @@ struct Last {
 /// Follows one count.
 ///
 /// By readings alone the count is taken to have moved by less than half its range between two of them, or by less than its
-/// whole range where it goes one way. Where the device tells of its wraps by events they decide: then a reading is held back
-/// until the next one, since the event of a wrap that the reading saw comes behind it.
+/// whole range where it goes one way. Where the device reports its wraps by events they decide: then a reading is held back
+/// until the next one, since the event of a wrap that the reading saw comes after it.
 #[derive(Debug)]
 pub struct Follower {
     range: i128,
     way: Way,
     /// Counts a second that the file promises not to be exceeded.
     promised: Option<u64>,
-    /// Whether the device tells of wraps.
-    told: bool,
+    /// Whether the device reports wraps.
+    reports_wraps: bool,
     /// The longest time between two readings in which nothing goes unseen.
     unseen: Span,
     /// Whether events are to come, and whether each count has one.
@@ -89,16 +89,16 @@ impl Follower {
     /// are stamped at most `resolution` late.
     pub fn new(spec: &CounterSpec, ceiling: u64, apart: Span, resolution: Span) -> Follower {
         let range = i128::from(ceiling) + 1;
-        let told = spec.tells_wraps();
-        let wraps = if told { Span::MAX } else { unseen(ceiling, spec.way(), spec.fastest()) };
+        let reports_wraps = spec.reports_wraps();
+        let wraps = if reports_wraps { Span::MAX } else { unseen(ceiling, spec.way(), spec.fastest()) };
         Follower {
             range,
             way: spec.way(),
             promised: spec.counts_hz,
-            told,
+            reports_wraps,
             unseen: wraps.min(apart),
             events: !spec.events.is_empty(),
-            steps: spec.tells_steps(),
+            steps: spec.reports_steps(),
             resolution,
             turns: 0,
             first: 0,
@@ -122,7 +122,7 @@ impl Follower {
         self.last.as_ref().map(|_| self.since)
     }
 
-    /// Takes a reading, and the events that were there behind it. What becomes known goes to `tell`, in order.
+    /// Takes a reading, and the events that were there after it. What becomes known goes to `tell`, in order.
     pub fn take(
         &mut self,
         reading: CounterReading,
@@ -150,10 +150,10 @@ impl Follower {
         self.read(held, tell);
     }
 
-    /// Finds where to begin: at the first reading, but behind a wrap that was reported meanwhile, since nobody knows whether that
+    /// Finds where to begin: at the first reading, but after a wrap that was reported meanwhile, since nobody knows whether that
     /// reading had seen it.
     fn start(&mut self, reading: CounterReading, events: &[CounterEvent]) {
-        if !self.told {
+        if !self.reports_wraps {
             self.held = self.events.then_some(reading);
             self.base(reading.value, reading.before);
             return;
@@ -213,7 +213,7 @@ impl Follower {
 
     /// How far a count has counted that shows this.
     fn total(&mut self, last: Last, value: u64) -> i128 {
-        if !self.told {
+        if !self.reports_wraps {
             return last.total + self.moved(last.value, value);
         }
         let plain = self.by_turns(value);

@@ -37,7 +37,7 @@ struct Wheel {
     range: i64,
     first: i64,
     moves: Vec<(i64, i64)>,
-    /// How far it has moved behind each of them.
+    /// How far it has moved after each of them.
     sums: Vec<i64>,
 }
 
@@ -52,7 +52,7 @@ impl Wheel {
         (self.first + self.moved(at)).rem_euclid(self.range) as u64
     }
 
-    /// What it tells: events of each wrap or of each move, so much later than they happen.
+    /// What it reports: events of each wrap or of each move, so much later than they happen.
     fn events(&self, each: bool, late: i64) -> Vec<CounterEvent> {
         let mut events = Vec::new();
         let mut position = self.first;
@@ -86,7 +86,7 @@ impl Wheel {
         steps
     }
 
-    /// Each step tells what was so at some instant of its interval, and the last one where the wheel stands.
+    /// Each step reports what was so at some instant of its interval, and the last one where the wheel stands.
     fn agrees(&self, steps: &[CountStep], follower: &Follower, end: i64) -> Result<(), TestCaseError> {
         let base = self.moved(follower.since().unwrap_or_default().as_nanos());
         for step in steps {

@@ -228,10 +228,10 @@ fn ceiling(count: &Path) -> u64 {
     line(&count.join("ceiling")).parse().unwrap_or(HIGHEST)
 }
 
-/// Whether wraps of the count can be told from its readings, or are told by the device.
+/// Whether wraps of the count can be told from its readings, or are reported by the device.
 fn follows(spec: &CounterSpec, device: &CounterDevice, ceiling: u64) -> Result<(), Refusal> {
     let apart = spec.period * 2;
-    if spec.tells_wraps() || unseen(ceiling, spec.way(), spec.fastest()) >= apart {
+    if spec.reports_wraps() || unseen(ceiling, spec.way(), spec.fastest()) >= apart {
         return Ok(());
     }
     let fastest = spec.fastest();

@@ -54,7 +54,7 @@ pub struct CounterSpec {
     pub ceiling: Option<u64>,
     /// Time between two readings.
     pub period: Span,
-    /// What it tells by itself.
+    /// What it reports by itself.
     pub events: Vec<CounterEventKind>,
     /// How many events the kernel keeps.
     pub buffer: u32,
@@ -74,16 +74,16 @@ impl CounterSpec {
         Span::from_nanos(unresponsive_after.as_nanos().saturating_add(periods))
     }
 
-    /// Whether it tells when it wraps.
-    pub fn tells_wraps(&self) -> bool {
+    /// Whether it reports when it wraps.
+    pub fn reports_wraps(&self) -> bool {
         let tells = |kind| self.events.contains(&kind);
         tells(CounterEventKind::OverflowUnderflow)
             || tells(CounterEventKind::Overflow)
                 && (self.way() == Way::Up || tells(CounterEventKind::Underflow))
     }
 
-    /// Whether it tells of every count.
-    pub fn tells_steps(&self) -> bool {
+    /// Whether it reports every count.
+    pub fn reports_steps(&self) -> bool {
         self.events.contains(&CounterEventKind::ChangeOfState)
     }
 

@@ -266,8 +266,8 @@ fn channel(name: &str, fields: &Fields, out: &mut Findings) -> Option<ChannelSpe
     };
     spec.drives = fields.boolean("drives").unwrap_or(true);
     spec.senses = fields.boolean("senses").unwrap_or(true);
-    let stranger = if digital { fields.entry("unit") } else { fields.entry("pull") };
-    if let Some(entry) = stranger {
+    let foreign = if digital { fields.entry("unit") } else { fields.entry("pull") };
+    if let Some(entry) = foreign {
         let kind = if digital { "a digital" } else { "an analog" };
         let message = format!("{kind} channel has no `{}`", entry.key);
         out.error(codes::CHANNEL_PROPERTY, entry.key_span.clone(), message, "remove it, or change the kind");

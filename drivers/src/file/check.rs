@@ -20,7 +20,7 @@ pub(super) fn looped(board: &Fields, bench: &Bench, out: &mut Findings) -> Optio
         yes
     };
     let (driven, sensed) = (&channels[usize::from(found.out.0)], &channels[usize::from(found.input.0)]);
-    // An output tells of the world outside only where another line reads it back.
+    // An output shows the world outside only where another line reads it back.
     let reads_back = |channel: ChannelId| match &bench.file.kind {
         BoardKind::Real(spec) => spec.of::<GpioSpec>().is_some_and(|gpio| {
             gpio.lines.iter().any(|line| line.channel == channel && line.readback.is_some())

@@ -11,7 +11,7 @@ use super::{
     parts, ports, real, sim_buses,
 };
 
-/// Reads a board file. `terminals` tells which terminals a subject has.
+/// Reads a board file. `terminals` says which terminals a subject has.
 ///
 /// # Errors
 /// Everything that is wrong with the file, by place, under [`super::CODES`].

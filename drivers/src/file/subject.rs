@@ -37,7 +37,7 @@ impl Subject {
 pub struct External {
     /// The command that brings a case's program into it; empty: the program is there.
     pub load: Vec<String>,
-    /// The command behind a case; empty: none.
+    /// The command after a case; empty: none.
     pub unload: Vec<String>,
     /// The longest that each of the two may take.
     pub load_within: Span,

@@ -71,7 +71,7 @@ impl BitLayout {
         (bytes * 8).saturating_sub(self.lead + 1)
     }
 
-    /// Writes levels into the bytes of a stream: low before the first edge, high behind it, and so on; behind an even
+    /// Writes levels into the bytes of a stream: low before the first edge, high after it, and so on; after an even
     /// number of edges low up to the end of the last byte. Gives the number of bytes, of which there is at least one.
     /// `None`: the bytes are too few, or two edges fall into one bit, or are out of order or odd in number.
     pub fn write(self, clock: BitClock, edges: &[Span], bytes: &mut [u8]) -> Option<usize> {

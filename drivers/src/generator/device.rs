@@ -57,7 +57,7 @@ pub(super) struct SharedGenerator {
 }
 
 impl SharedGenerator {
-    /// Asks for rest, behind which no order given before counts. The number of this request.
+    /// Asks for rest, after which no order given before counts. The number of this request.
     pub(super) fn ask_rest(&self) -> u64 {
         // The order matters: whoever sees the request sees the epoch.
         self.epoch.fetch_add(1, Ordering::AcqRel);

@@ -120,7 +120,7 @@ impl GeneratorHandle {
         self.thread.is_gone()
     }
 
-    /// Until when an answer is owed.
+    /// Until when an answer is due.
     fn due(&self) -> Option<HostInstant> {
         self.shared.due.get()
     }

@@ -1,4 +1,4 @@
-//! Generators: devices that make pulses by themselves once they are told which.
+//! Generators: devices that make pulses by themselves once they are given which.
 //!
 //! Two kinds: the outputs of a PWM chip, which emit square waves without end, and the data line of an SPI bus, which
 //! emits counted pulses as a stream of bits. The board talks to each on a thread of its own, so a call that takes its

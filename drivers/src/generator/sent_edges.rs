@@ -9,7 +9,7 @@ use super::bits::{BitClock, BitLayout};
 use crate::event_collector::EventCollector;
 use crate::{ChannelId, Origin};
 
-/// Edges that one poll tells at most.
+/// Edges that one poll reports at most.
 pub(super) const AT_ONCE: usize = 256;
 
 /// A stream whose edges are being reported.
@@ -30,10 +30,10 @@ impl SentStream {
         self.next >= self.edges.len()
     }
 
-    /// Tells the next edges, as many as that. Gives how many it reported.
+    /// Reports the next edges, as many as that. Gives how many it reported.
     ///
     /// A bit cannot have come before those in front of it had their time since the call began, nor so late that those
-    /// behind it had not theirs until it ended: the clock is not faster than it was set to, whatever else it is.
+    /// after it had not theirs until it ended: the clock is not faster than it was set to, whatever else it is.
     pub(super) fn report(
         &mut self,
         clock: BitClock,

@@ -143,7 +143,7 @@ impl GpioBoard {
             self.reconnector.as_mut().and_then(|reconnector| reconnector.back.pop().ok())
         {
             let at = reconnected.at;
-            // What the old one had still to tell, its loss included.
+            // What the old one had still to report, its loss included.
             self.chips[at].lines.poll(collector);
             let old = self.replace(reconnected);
             let lines = &mut self.chips[at].lines;
@@ -262,7 +262,7 @@ impl Board for GpioBoard {
         Ok(())
     }
 
-    /// What lies ahead of the last poll, and when a chip that owes an answer counts as lost.
+    /// What lies ahead of the last poll, and when a chip whose answer is due counts as lost.
     fn next_event(&self) -> Option<Time> {
         let deadlines = self.chips.iter().filter_map(|chip| chip.lines.overdue());
         self.run.next_event(&self.maker.context.time, deadlines)

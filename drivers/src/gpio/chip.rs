@@ -35,13 +35,13 @@ pub(super) struct SharedChip {
     pub(super) gone_at: AtomicInstant,
     /// Calls that failed.
     pub(super) failed: AtomicU64,
-    /// The level behind the last edge of each input, and the inputs that had an edge since the device last asked.
+    /// The level after the last edge of each input, and the inputs that had an edge since the device last asked.
     pub(super) seen: AtomicU64,
     pub(super) touched: AtomicU64,
     /// Edges are being read, or were and are not handed on yet.
     pub(super) reading: AtomicBool,
     /// Edges that found no room on their way to the board, by input.
-    pub(super) spilled: [AtomicU32; 64],
+    pub(super) edge_overflows: [AtomicU32; 64],
     /// Whether some did.
     pub(super) overflowed: AtomicBool,
     /// Numbers of edges that have not come yet.
@@ -72,7 +72,7 @@ impl SharedChip {
             seen: AtomicU64::new(0),
             touched: AtomicU64::new(0),
             reading: AtomicBool::new(false),
-            spilled: [const { AtomicU32::new(0) }; 64],
+            edge_overflows: [const { AtomicU32::new(0) }; 64],
             overflowed: AtomicBool::new(false),
             open: AtomicU32::new(0),
             unreported: AtomicU64::new(0),

@@ -18,7 +18,7 @@ use super::track::{Lost, Tracker};
 const EDGES: usize = 8_192;
 /// Edges that are read at once.
 const BATCH: usize = 64;
-/// How long a number may be missing: the kernel tells edges of different lines a little out of order.
+/// How long a number may be missing: the kernel reports edges of different lines a little out of order.
 const PATIENCE: Span = Span::from_millis(100);
 
 /// An edge, or the loss of some, on its way to the board.
@@ -28,7 +28,7 @@ pub(super) struct Note {
     /// Edges of the line that were lost before it.
     pub(super) lost: u32,
     pub(super) input: u8,
-    /// The level behind the edge; `None` for a loss alone.
+    /// The level after the edge; `None` for a loss alone.
     pub(super) high: Option<bool>,
 }
 
@@ -40,7 +40,7 @@ pub(super) struct Edges {
     notes: Producer<Note>,
     bell: Arc<Bell>,
     tracker: Tracker,
-    /// The level behind the last edge of each input.
+    /// The level after the last edge of each input.
     seen: u64,
     end: Arc<OwnedFd>,
     batch: Vec<Edge>,
@@ -161,7 +161,7 @@ fn given_up(gap: Lost, now: HostInstant) -> Note {
 fn give(notes: &mut Producer<Note>, shared: &SharedChip, note: Note) {
     if notes.push(note).is_err() {
         let count = note.lost.saturating_add(u32::from(note.high.is_some()));
-        shared.spilled[usize::from(note.input) % 64].fetch_add(count, Ordering::Relaxed);
+        shared.edge_overflows[usize::from(note.input) % 64].fetch_add(count, Ordering::Relaxed);
         shared.overflowed.store(true, Ordering::Release);
     }
 }

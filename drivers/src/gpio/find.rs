@@ -25,7 +25,7 @@ pub struct FoundChip {
     pub claim: Claim,
     /// The channel that each output of the claim drives.
     pub drives: Vec<ChannelId>,
-    /// The channel that each input of the claim tells of.
+    /// The channel that each input of the claim reports.
     pub senses: Vec<ChannelId>,
 }
 

@@ -70,7 +70,7 @@ pub struct LineInfo {
     pub direction: Direction,
     /// Its holder takes a low level for 1.
     pub active_low: bool,
-    /// Its pull, if one is set and the interface tells.
+    /// Its pull, if one is set and the interface says so.
     pub bias: Option<Bias>,
     /// How an output drives.
     pub drive: Option<Drive>,

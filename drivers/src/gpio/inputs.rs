@@ -1,4 +1,4 @@
-//! The inputs of a chip as their edges tell them.
+//! The inputs of a chip as their edges report them.
 
 use host::HostInstant;
 use signal::{Span, Time, When};
@@ -69,7 +69,7 @@ impl Inputs {
         self.lines.iter().map(|known| known.line.channel)
     }
 
-    /// A run begins with these levels, read from `began` on; edges up to `surveyed` may tell of what was read.
+    /// A run begins with these levels, read from `began` on; edges up to `surveyed` may report what was read.
     pub(super) fn start(&mut self, levels: LineLevels, began: HostInstant, surveyed: HostInstant) {
         (self.levels, self.fresh, self.strayed) = (levels.bits, levels.known, 0);
         (self.began, self.surveyed) = (began, surveyed);

@@ -19,7 +19,7 @@ pub(super) struct Masks {
     pub(super) safe: u64,
     /// Where each is left at when it lets go.
     pub(super) released: u64,
-    /// Outputs whose channel has an input, too: that one tells.
+    /// Outputs whose channel has an input, too: that one reports it.
     pub(super) double: u64,
     /// Outputs that nobody wants to see.
     pub(super) unseen: u64,
@@ -41,7 +41,7 @@ pub(super) struct Lines {
     /// The image that was asked for last, and one to be asked for.
     pub(super) wanted: u64,
     pub(super) next: u64,
-    /// Images that were handed to the device, those that it was seen to have taken, and since when it owes the rest.
+    /// Images that were handed to the device, those that it was seen to have taken, and since when the rest is due.
     asked: u64,
     taken: u64,
     owing_since: HostInstant,
@@ -111,8 +111,8 @@ impl Lines {
                 self.taken = self.asked;
                 (self.handed, self.dropped) = (bits, 0);
                 self.failed = self.shared.failed.load(Ordering::Acquire);
-                for spilled in &self.shared.spilled {
-                    spilled.store(0, Ordering::Release);
+                for overflows in &self.shared.edge_overflows {
+                    overflows.store(0, Ordering::Release);
                 }
                 self.shared.unreported.store(0, Ordering::Release);
                 self.shared.latched.store(false, Ordering::Release);
@@ -229,7 +229,7 @@ impl Lines {
             let _ = self.running.reports.pop();
             self.report(report, collector);
         }
-        self.spilled(collector);
+        self.report_edge_overflows(collector);
         self.answers(collector);
     }
 
@@ -276,14 +276,14 @@ impl Lines {
     }
 
     /// What found no room on its way.
-    fn spilled(&mut self, collector: &mut EventCollector<'_>) {
+    fn report_edge_overflows(&mut self, collector: &mut EventCollector<'_>) {
         let dropped = std::mem::take(&mut self.dropped);
         for (_, channel) in self.drives.iter().enumerate().filter(|(place, _)| dropped >> place & 1 == 1) {
             collector.dropped(*channel, collector.now, 1);
         }
         if self.shared.overflowed.swap(false, Ordering::AcqRel) {
             for (place, channel) in self.inputs.channels().enumerate() {
-                let count = self.shared.spilled[place].swap(0, Ordering::AcqRel);
+                let count = self.shared.edge_overflows[place].swap(0, Ordering::AcqRel);
                 collector.dropped(channel, collector.now, count);
             }
         }
@@ -301,7 +301,7 @@ impl Lines {
         let reason = match (self.gone(), self.lost) {
             (true, _) => Some(LossReason::Gone),
             (false, Some(_)) => {
-                // It was silent. It answers again when no call is under way and nothing is owed.
+                // It was silent. It answers again when no call is under way and nothing is due.
                 let silent = self.taken != self.asked || self.shared.in_call.get().is_some();
                 silent.then_some(LossReason::Unresponsive)
             }

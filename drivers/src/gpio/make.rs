@@ -37,7 +37,7 @@ impl Served {
         self.device.turn();
     }
 
-    /// Edges as the kernel would tell them.
+    /// Edges as the kernel would report them.
     pub fn take(&mut self, edges: &[Edge]) {
         self.edges.take(edges);
     }

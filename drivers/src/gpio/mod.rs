@@ -48,7 +48,7 @@ pub(crate) fn describe(table: &ChannelTable, spec: &GpioSpec, channels: &mut [Ch
             senses: known.senses,
             timestamp: TimestampSource::Kernel,
             resolution: Span::ZERO,
-            // What a debounced line keeps is long enough to be seen. Of others nobody can tell: a pulse may be over
+            // What a debounced line keeps is long enough to be seen. Of others nobody knows: a pulse may be over
             // before the kernel looks.
             shortest_pulse: if sensed && debounce > Span::ZERO { debounce } else { Span::MAX },
             deadband: 0.0,

@@ -1,7 +1,7 @@
 //! Keeps the edges of pulses apart when the rig is late with them.
 //!
 //! Of outputs that carry pulses every edge is driven: in the order in which they were asked for, each in a call of its
-//! own. What is late catches up, but not at once: an edge comes no sooner behind the one before it than two thirds of the
+//! own. What is late catches up, but not at once: an edge comes no sooner after the one before it than two thirds of the
 //! time that lay between the two when they were asked for, and on its own line no sooner than a quarter of the shortest
 //! period that the board file promises, or a millisecond if that is less. So a pulse that is late stays a pulse, and A
 //! and B of an encoder keep their order.
@@ -105,7 +105,7 @@ mod tests {
     fn edges_that_are_late_keep_two_thirds_of_their_distance() {
         let mut pace = pace();
         assert!(pace.due(A, at(1_000_000)) <= at(1_000_000));
-        // Half a millisecond late: the next one was asked for 600 us behind it.
+        // Half a millisecond late: the next one was asked for 600 us after it.
         pace.drove(A, at(1_000_000), at(1_500_000));
         assert_eq!(pace.due(A, at(1_600_000)), at(1_900_000));
         assert_eq!(pace.due(B, at(1_600_000)), at(1_900_000));

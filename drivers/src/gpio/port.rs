@@ -43,12 +43,12 @@ pub struct LineLevels {
     pub known: u64,
 }
 
-/// An edge, as the kernel tells it.
+/// An edge, as the kernel reports it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Edge {
     /// Place of the line among the claimed inputs.
     pub input: u8,
-    /// The level behind the edge.
+    /// The level after the edge.
     pub high: bool,
     /// When, as the kernel stamped it.
     pub stamp: HostInstant,
@@ -79,7 +79,7 @@ pub trait GpioPort: Send + Sync + fmt::Debug {
     /// As [`GpioPort::set`].
     fn survey(&self) -> io::Result<LineLevels>;
 
-    /// What to wait on for edges, by number from 0; `None` behind the last.
+    /// What to wait on for edges, by number from 0; `None` after the last.
     fn source(&self, number: usize) -> Option<BorrowedFd<'_>>;
 
     /// Appends edges that a source has ready, at most as many as fit into `out` as it is. Waits where it has none.

@@ -86,7 +86,7 @@ pub struct LineSpec {
     pub drive: Drive,
     /// What an output is driven to when safe.
     pub safe: bool,
-    /// The line of the same chip that is wired to an output and tells what it really does.
+    /// The line of the same chip that is wired to an output and reports what it really does.
     pub readback: Option<NamedLine>,
     /// The fastest pulses of which every one is reported, in Hz; `None` where nobody said.
     pub counts_hz: Option<u64>,

@@ -17,7 +17,7 @@ const MOST_GAPS: usize = 64;
 struct Gap {
     first: u32,
     count: u32,
-    /// The line of the edge behind it: the likeliest to have lost them.
+    /// The line of the edge after it: the likeliest to have lost them.
     line: u8,
     /// When it showed.
     since: HostInstant,
@@ -49,7 +49,7 @@ impl Tracker {
         Tracker { lines: [0; 64], high: 0, gaps: Vec::with_capacity(MOST_GAPS), guessed: 0, patience }
     }
 
-    /// Takes note of an edge. What was lost before it, as far as it is certain; `older` is told of a gap that had to
+    /// Takes note of an edge. What was lost before it, as far as it is certain; `older` gets a gap that had to
     /// be given up for want of room. `now` is asked only when a gap opens.
     pub(super) fn see(
         &mut self,

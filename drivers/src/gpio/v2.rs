@@ -175,7 +175,7 @@ impl GpioPort for PortV2 {
     }
 
     fn source(&self, number: usize) -> Option<BorrowedFd<'_>> {
-        // Of outputs alone there are no edges, but the kernel tells there when the chip goes.
+        // Of outputs alone there are no edges, but the kernel reports there when the chip goes.
         let only = self.inputs.as_ref().or(self.outputs.as_ref());
         only.filter(|_| number == 0).map(File::as_fd)
     }

@@ -97,7 +97,7 @@ impl Lag {
         self.since.as_nanos().checked_add(nanos).map(Time::from_nanos)
     }
 
-    /// Sets when the switches flip after a change of the target at `since`. Behind a flip there is nothing to
+    /// Sets when the switches flip after a change of the target at `since`. After a flip there is nothing to
     /// plan: the value moves on, away from the threshold that flips it back.
     fn plan_switches(&mut self) {
         for place in 0..self.switches.len() {

@@ -68,7 +68,7 @@ impl Wire {
         }
     }
 
-    /// A channel changed: a relay was driven, or the wire tells itself that it is as it is wanted.
+    /// A channel changed: a relay was driven, or the wire itself shows that it is as it is wanted.
     fn changed(&mut self, channel: ChannelId, value: Value, at: When) {
         let awaited = |asked: &(ChannelId, bool)| (asked.0, Value::Bool(asked.1)) == (channel, value);
         if self.asked.take_if(|asked| awaited(asked)).is_some() {

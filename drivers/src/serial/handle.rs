@@ -89,7 +89,7 @@ impl SerialHandle {
         })
     }
 
-    /// Until when an answer is owed.
+    /// Until when an answer is due.
     fn due(&self) -> Option<HostInstant> {
         Some(self.shared.in_call.get()? + self.thread.limit())
     }

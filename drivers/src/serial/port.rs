@@ -252,7 +252,7 @@ impl SerialPort {
     }
 
     /// Waits until the last bit has left the port, at most until then. The interval in which it did: not before
-    /// its bits had time to, and seen by then. The kernel tells nobody when that is, so it is looked for about as often
+    /// its bits had time to, and seen by then. The kernel reports to nobody when that is, so it is looked for about as often
     /// as characters pass.
     ///
     /// # Errors

@@ -126,7 +126,7 @@ impl SimulatedBoard {
         self.plants.push(PlantAt { plant, outputs, driving });
     }
 
-    /// What a device on the line reads now: as the last poll at the time of the last call would have told.
+    /// What a device on the line reads now: as the last poll at the time of the last call would have reported.
     pub fn value(&self, channel: ChannelId) -> Option<Value> {
         let place = usize::from(channel.0);
         let line = self.lines.get(place)?;
@@ -177,7 +177,7 @@ impl SimulatedBoard {
         }
     }
 
-    /// Tells wires and plants behind a line of its new level.
+    /// Hands the new level of a line on to its wires and plants.
     fn carry(&mut self, now: Time, place: usize) {
         let level = self.lines[place].level;
         for link in 0..self.links[place].wires_out.len() {
@@ -339,7 +339,7 @@ impl SimulatedBoard {
                 for link in 0..self.links[place].wires_out.len() {
                     let wire = &mut self.wires[self.links[place].wires_out[link]];
                     moved |= wire.out != wire.carry(raw);
-                    // A delayed wire follows behind the round, so that a ring through it can be told.
+                    // A delayed wire follows after the round, so that a ring through it can be seen.
                     if wire.spec.delay == Span::ZERO {
                         wire.settle(raw);
                     }

@@ -230,7 +230,7 @@ mod tests {
         let seen = told(&mut buses, Time::ZERO.saturating_add(Span::from_millis(10)));
         let ids: Vec<(u32, bool)> =
             seen.iter().filter(|(bus, ..)| *bus == 0).map(|(_, id, own, _)| (*id, *own)).collect();
-        // 0x001 stands behind 0x200 in the queue of its own bus.
+        // 0x001 stands after 0x200 in the queue of its own bus.
         assert_eq!(ids, [(0x100, false), (0x200, true), (0x001, true)]);
         assert_eq!(seen[0].3, first.as_nanos() / 1_000);
         assert_eq!(seen[2].3, second.as_nanos() / 1_000);

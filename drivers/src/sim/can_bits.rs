@@ -6,7 +6,7 @@
 
 use signal::{CanFrame, Span};
 
-/// Bits behind the CRC: its delimiter (of a classic frame), the acknowledgement with its delimiter, the end of frame.
+/// Bits after the CRC: its delimiter (of a classic frame), the acknowledgement with its delimiter, the end of frame.
 const CLASSIC_TAIL: u64 = 1 + 2 + 7;
 /// The same of a CAN FD frame, whose delimiter of the CRC is a fast bit.
 const FD_TAIL: u64 = 2 + 7;
@@ -80,7 +80,7 @@ impl Stuffing {
     }
 }
 
-/// The bits of a frame from its start to its end, without the pause behind it.
+/// The bits of a frame from its start to its end, without the pause after it.
 pub fn bits(frame: &CanFrame) -> Bits {
     let mut stuffing = Stuffing::default();
     stuffing.push(false);
@@ -123,7 +123,7 @@ fn fd(frame: &CanFrame, mut stuffing: Stuffing) -> Bits {
     stuffing.number(length_code(frame.len), 4);
     frame.data().iter().for_each(|byte| stuffing.number(u32::from(*byte), 8));
     // A run of five at the very end is broken by the first fixed stuff bit. The count of stuff bits takes 4 bits; a fixed
-    // stuff bit stands in front of it and behind every fourth bit. Then the delimiter.
+    // stuff bit stands in front of it and after every fourth bit. Then the delimiter.
     let crc: u64 = if frame.len > 16 { 4 + 21 } else { 4 + 17 };
     let fixed = crc.div_ceil(4);
     let rest = stuffing.bits - arbitration + crc + fixed + 1;
@@ -195,7 +195,7 @@ mod tests {
             let stuffed = bits(&frame).slow;
             assert!((plain..plain + 4).contains(&stuffed), "{frame:?} has {stuffed} bits, not {plain}");
         }
-        // The worst case: 1 stuff bit for every 4 bits behind the first.
+        // The worst case: 1 stuff bit for every 4 bits after the first.
         let worst = (0..=255).map(|byte| bits(&classic(0, false, &[byte; 8])).slow).max().unwrap();
         assert!((108 + 12..=108 + 24).contains(&worst), "{worst}");
     }

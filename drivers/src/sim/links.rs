@@ -21,7 +21,7 @@ pub(super) struct Links {
     pub(super) plants_in: Vec<(usize, usize)>,
     pub(super) wires_out: Vec<usize>,
     pub(super) plants_out: Vec<(usize, usize)>,
-    /// The count that the line tells, and the lines of those that it is a signal of.
+    /// The count that the line reports, and the lines of those that it is a signal of.
     pub(super) tally: Option<usize>,
     pub(super) tallies_out: Vec<ChannelId>,
 }

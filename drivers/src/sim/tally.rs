@@ -26,7 +26,7 @@ impl Tallies {
         }
     }
 
-    /// One of them looks at its signals, and its line tells what it has counted.
+    /// One of them looks at its signals, and its line reports what it has counted.
     pub(super) fn look(&mut self, place: usize, lines: &mut [Line]) {
         let tally = &mut self.0[place];
         let value = tally.see(signals(&tally.spec, lines));
@@ -43,7 +43,7 @@ fn signals(spec: &TallySpec, lines: &[Line]) -> (bool, bool) {
 
 /// A count at work. At each instant it sees how its signals stand when all has settled.
 ///
-/// Where A and B change at one instant nobody can tell which was first: of quadrature that is no count, as the two phases
+/// Where A and B change at one instant nobody knows which was first: of quadrature that is no count, as the two phases
 /// never change together; elsewhere the direction is the new one.
 #[derive(Clone, Copy, Debug)]
 struct Tally {
@@ -87,7 +87,7 @@ impl Tally {
             3 => -1,
             _ => 0,
         };
-        // Of one count for each period forwards is told by a rise, backwards by a fall: the same place of the shaft.
+        // Of one count for each period forwards is reported by a rise, backwards by a fall: the same place of the shaft.
         let once = |before: bool, now: bool| if way > 0 { rises(before, now) } else { rises(now, before) };
         match self.spec.function {
             CountFunction::Increase => i64::from(single),

@@ -27,7 +27,7 @@ pub fn scans_allocate_nothing() {
         writes.extend(outs.iter().map(|out| (*out, Value::Bool(high))));
         board.write(at.time.now(), &writes).unwrap();
         chip.edge(high, HostInstant::now());
-        // Until outputs and input have been told of.
+        // Until outputs and input have been reported.
         let (wanted, due) = (told + 1 + fake::LINES as u64, at.time.now() + Span::from_secs(20));
         while told < wanted && at.time.now() < due {
             events.clear();

@@ -65,14 +65,14 @@ impl Fake {
         self.opened.notify_all();
     }
 
-    /// An edge of input 0, as the kernel would tell it, and its level.
+    /// An edge of input 0, as the kernel would report it, and its level.
     pub fn edge(&self, high: bool, stamp: HostInstant) {
         let number = self.numbers.fetch_add(1, Ordering::AcqRel) + 1;
         self.level(high);
         self.tell(Edge { input: 0, high, stamp, numbers: Some((number, number)) });
     }
 
-    /// The level of input 0, of which no edge tells.
+    /// The level of input 0, which no edge reports.
     pub fn level(&self, high: bool) {
         if high {
             self.inputs.fetch_or(1, Ordering::AcqRel);

@@ -28,7 +28,7 @@ pub(super) struct AskedAdc {
 struct Source {
     file: File,
     scaling: Scaling,
-    /// The lowest and the highest code, where the driver tells.
+    /// The lowest and the highest code, where the driver says.
     ends: Option<(f64, f64)>,
     resolution: Resolution,
 }

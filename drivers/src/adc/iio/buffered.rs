@@ -41,7 +41,7 @@ pub(super) struct BufferedAdc {
 #[derive(Debug)]
 struct Capture {
     folder: PathBuf,
-    /// Goes behind the buffer that it fills.
+    /// Goes after the buffer that it fills.
     trigger: Trigger,
 }
 
@@ -151,7 +151,7 @@ fn choose(folder: &Path, inputs: &[&IioInput]) -> Result<(), Refusal> {
     for switch in &wanted {
         set(&scan, switch, "1")?;
     }
-    // A driver may take more inputs than it was told, or fewer.
+    // A driver may take more inputs than it was given, or fewer.
     for switch in switches() {
         let on = read(&scan.join(&switch)).map_err(|error| refused(&error))? == "1";
         if on != wanted.contains(&switch) {

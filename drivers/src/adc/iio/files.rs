@@ -1,4 +1,4 @@
-//! The small files by which the kernel tells of a device and takes its settings.
+//! The small files by which the kernel describes a device and takes its settings.
 
 use std::fs;
 use std::io;

@@ -39,7 +39,7 @@ pub struct IioInput {
     pub unit: &'static str,
     /// Its file.
     pub(super) file: PathBuf,
-    /// The file tells what the driver made of a code, and not the code.
+    /// The file shows what the driver made of a code, and not the code.
     made: bool,
     /// From what its file says to the unit.
     pub(super) scaling: Scaling,
@@ -55,7 +55,7 @@ pub(super) struct Scaling {
 }
 
 impl IioInput {
-    /// How finely it is measured. A driver that tells what it made of its codes does not tell that.
+    /// How finely it is measured. A driver that reports what it made of its codes does not report that.
     pub(super) fn resolution(&self) -> Resolution {
         if self.made {
             return Resolution::default();
@@ -139,14 +139,14 @@ pub(super) fn look(root: &Path, number: &str) -> IioDevice {
 
 fn inputs(folder: &Path) -> Vec<IioInput> {
     let mut found: Vec<IioInput> = names(folder).iter().filter_map(|file| input(folder, file)).collect();
-    // A driver may offer both what it measured and what it made of that: the first tells more of it.
+    // A driver may offer both what it measured and what it made of that: the first says more of it.
     found.sort_by_key(|input| (counted(&input.name), input.made));
     found.dedup_by(|other, kept| other.name == kept.name);
     found.sort_by_key(|input| input.element.map_or(u32::MAX, |(_, index)| index));
     found
 }
 
-/// An input by the file that tells its value.
+/// An input by the file that shows its value.
 fn input(folder: &Path, file: &str) -> Option<IioInput> {
     let body = file.strip_prefix("in_")?;
     let (name, raw) = match (body.strip_suffix("_raw"), body.strip_suffix("_input")) {
@@ -190,7 +190,7 @@ fn shared(name: &str) -> Vec<String> {
     vec![format!("in_{name}"), format!("in_{letters}"), format!("in_{kind}"), "in".to_owned()]
 }
 
-/// A key that sorts `voltage10` behind `voltage9`.
+/// A key that sorts `voltage10` after `voltage9`.
 fn counted(name: &str) -> (String, usize, String) {
     let letters = name.chars().take_while(char::is_ascii_alphabetic).collect();
     (letters, name.len(), name.to_owned())

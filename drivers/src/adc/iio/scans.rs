@@ -43,7 +43,7 @@ pub struct Scans {
 
 impl Scans {
     /// Of these inputs in the order of the buffer, so often. A trigger that starts the conversion stamps what follows;
-    /// any other may tell of a sample that was taken up to a period before.
+    /// any other may be of a sample that was taken up to a period before.
     pub fn new(inputs: Vec<Sampled>, stamp: Element, period: Span, starts: bool) -> Scans {
         let elements = inputs.iter().map(|input| input.element).chain([stamp]);
         let period = period.max(Span::from_nanos(1));
@@ -63,7 +63,7 @@ impl Scans {
         self.layout.size
     }
 
-    /// What came so far is from before: a gap behind it is none.
+    /// What came so far is from before: a gap after it is none.
     pub fn begin(&mut self) {
         (self.last, self.lost) = (None, 0);
     }
@@ -73,7 +73,7 @@ impl Scans {
         self.lost
     }
 
-    /// Appends the readings of whole scans that were read by `now`; bytes behind the last whole one are left out.
+    /// Appends the readings of whole scans that were read by `now`; bytes after the last whole one are left out.
     pub fn take(&mut self, bytes: &[u8], now: HostInstant, out: &mut Vec<AdcReading>) {
         let mut scans = bytes.chunks_exact(self.size()).peekable();
         while let Some(scan) = scans.next() {

@@ -28,7 +28,7 @@ pub enum FindDevice {
 
 impl Buffering {
     /// How many periods may pass between the beginning of one sample and the end of the next where none is lost: a sample
-    /// ends before the next stamp, which is two periods behind the stamp before it and may be late. With a trigger of
+    /// ends before the next stamp, which is two periods after the stamp before it and may be late. With a trigger of
     /// somebody else it may have begun a period before its own stamp.
     pub fn spread(&self) -> u8 {
         if self.trigger.is_some() { 4 } else { 3 }

@@ -77,7 +77,7 @@ impl Trigger {
         Ok(trigger)
     }
 
-    /// Whether it starts the conversion: a timer and what a program fires do. Any other tells that one is done.
+    /// Whether it starts the conversion: a timer and what a program fires do. Any other reports that one is done.
     pub(super) fn starts(&self) -> bool {
         self.folder.join("sampling_frequency").exists() || self.folder.join("trigger_now").exists()
     }
@@ -123,7 +123,7 @@ impl Drop for Trigger {
     }
 }
 
-/// The frequency of a period in Hz with three digits behind the point, as the kernel takes it.
+/// The frequency of a period in Hz with three digits after the point, as the kernel takes it.
 fn frequency(period: Span) -> String {
     let period = period.as_nanos().max(1);
     let thousandths = (1_000_000_000 * THOUSANDTHS + period / 2) / period;

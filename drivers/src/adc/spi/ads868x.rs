@@ -16,9 +16,9 @@ pub struct Ads868x {
 pub const ADS8684: Ads868x = Ads868x { name: "ads8684", inputs: 4, automatic: true };
 /// 8 inputs, 16 bits; goes through its inputs by itself.
 pub const ADS8688: Ads868x = Ads868x { name: "ads8688", inputs: 8, automatic: true };
-/// As [`ADS8684`], told of each input.
+/// As [`ADS8684`], given each input.
 pub const ADS8684_MANUAL: Ads868x = Ads868x { automatic: false, ..ADS8684 };
-/// As [`ADS8688`], told of each input.
+/// As [`ADS8688`], given each input.
 pub const ADS8688_MANUAL: Ads868x = Ads868x { automatic: false, ..ADS8688 };
 
 /// Commands.
@@ -124,7 +124,7 @@ impl Codec for Ads868x {
         let first = if self.automatic { Some(command(FIRST)) } else { order.first().map(|at| ask(*at)) };
         let mut frames: Vec<Frame> = first.into_iter().collect();
         for (place, at) in order.iter().enumerate() {
-            // Behind the last nothing more is to be asked for.
+            // After the last nothing more is to be asked for.
             let next = order.get(place + 1).map_or(command(GO_ON), |next| ask(*next));
             frames.push(Frame { gives: Some(*at), ..next });
         }

@@ -19,7 +19,7 @@ pub type AdcPart = &'static dyn Codec;
 pub const PARTS: [AdcPart; 10] =
     [&MCP3004, &MCP3008, &MCP3204, &MCP3208, &ADS8684, &ADS8688, &MAX1110, &MAX1111, &MAX1112, &MAX1113];
 
-/// Those that go through their inputs by themselves, and the same told of each.
+/// Those that go through their inputs by themselves, and the same given each.
 const MANUAL: [(AdcPart, AdcPart); 2] = [(&ADS8684, &ADS8684_MANUAL), (&ADS8688, &ADS8688_MANUAL)];
 
 /// A converter on an SPI bus as a board file describes it.
@@ -48,8 +48,8 @@ impl PartialEq for SpiSpec {
     }
 }
 
-/// The part of this name; `manual` for one that is told of each input. `None` where there is none, or none that can be
-/// told.
+/// The part of this name; `manual` for one that is given each input. `None` where there is none, or none that can be
+/// given it.
 pub(crate) fn part(name: &str, manual: bool) -> Option<AdcPart> {
     let found = PARTS.into_iter().find(|part| part.name() == name)?;
     match manual {
@@ -97,7 +97,7 @@ pub fn choose(spec: &SpiSpec, sample: &SampleSpec) -> Result<Chosen, Refusal> {
     })
 }
 
-/// A number without the zeros behind its last digit.
+/// A number without the zeros after its last digit.
 struct Short(f64);
 
 impl std::fmt::Display for Short {

@@ -22,9 +22,9 @@ pub enum SpiInput {
 pub struct Span {
     /// Its lower end: code 0.
     pub low: f64,
-    /// Its upper end: the code behind the last one.
+    /// Its upper end: the code after the last one.
     pub high: f64,
-    /// How the part is told.
+    /// How the part is asked for it.
     pub setting: u8,
 }
 

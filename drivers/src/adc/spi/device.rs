@@ -212,7 +212,7 @@ impl Adc for SpiAdc {
             for at in 0..count {
                 let mut answer: Bytes = [0; FRAME];
                 answer[..self.frame].copy_from_slice(&self.answers[at * self.frame..(at + 1) * self.frame]);
-                // The bus is no faster than it was told to be, so that those in front and behind took so long.
+                // The bus is no faster than it was set to be, so that those in front and after took so long.
                 let earliest = before + self.lasts * at as i64;
                 let latest = after - self.lasts * (count - 1 - at) as i64;
                 if !self.sweep.take((first + at) % frames, &answer, earliest, latest.max(earliest)) {

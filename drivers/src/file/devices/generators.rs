@@ -225,7 +225,7 @@ fn output(
     let known = &mut bench.file.circuit.channels[usize::from(channel.0)];
     known.safe = Value::Bool(safe);
     known.drives = !is_stream;
-    // What a PWM chip puts out nobody tells.
+    // What a PWM chip puts out nobody reports.
     known.senses &= is_stream;
     let active_low = fields.boolean(SHARED).unwrap_or(false);
     sound.then_some(OutputSpec { channel, generator, output, place, active_low, safe })

@@ -27,7 +27,7 @@ pub struct Pwm {
     name: String,
     spec: PwmSpec,
     outputs: Vec<(PwmOutput, OutputSpec)>,
-    /// Given back behind the outputs.
+    /// Given back after the outputs.
     _exported: Vec<Exported>,
 }
 

@@ -1,7 +1,7 @@
 //! An output of a PWM chip: which of its attributes is written first.
 //!
 //! The kernel takes period and active time one by one, and applies each at once. Between the two the output must not
-//! carry a wave with a shorter level than those before and behind it, and the kernel refuses an active time that is
+//! carry a wave with a shorter level than those before and after it, and the kernel refuses an active time that is
 //! longer than its period.
 
 use std::fmt::Debug;
@@ -107,7 +107,7 @@ impl PwmOutput {
         Ok(())
     }
 
-    /// Whether it is still there, and is what it was told to be.
+    /// Whether it is still there, and is what it was set to be.
     ///
     /// # Errors
     /// The kernel's; EBADMSG where somebody else has set it.
