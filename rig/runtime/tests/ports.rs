@@ -1,6 +1,8 @@
 //! Endpoints of the controller on buses of the board: from the partner at the far end through the port, the endpoint and the
 //! memory back to the partner, in virtual time.
 
+mod real;
+
 use crate::allocation::Noting;
 use crate::texts::{Parted, Texts};
 use controller::{Endpoint, PortEvent, PortLife, PortMessage, PortOutbox, RegisterAccess, State};
@@ -44,6 +46,9 @@ const PARTNER: BusId = BusId(1);
 const LISTENER: BusId = BusId(2);
 const PEER: BusId = BusId(4);
 
+/// A request that takes more processor time than a case has.
+const ENDLESS: [u8; 3] = [0; 3];
+
 /// Answers `first count` with words, and `first value` of 4 bytes by writing. At a period it sends a frame.
 #[derive(Debug)]
 struct Reader {
@@ -56,6 +61,10 @@ struct Reader {
 /// What the endpoint was told, as far as it is counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Told {
+    /// The state of the controller, and how often its communication started.
+    state: Option<State>,
+    starts: u32,
+    requests: u32,
     damaged: u32,
     sent: u32,
     not_sent: u32,
@@ -75,7 +84,10 @@ impl Reader {
 impl Endpoint for Reader {
     fn enter(&mut self, now: Time, life: PortLife, _: &mut PortOutbox) {
         self.requests.clear();
+        let mut seen = self.seen.lock().unwrap();
+        seen.starts += u32::from(life == PortLife::Restarted);
         if let PortLife::State(state) = life {
+            seen.state = Some(state);
             let running = state == State::Running;
             self.due = self.period.filter(|_| running).map_or(Time::MAX, |period| now + period);
         }
@@ -84,7 +96,10 @@ impl Endpoint for Reader {
     fn receive(&mut self, now: Time, event: &PortEvent, _: &mut PortOutbox) {
         let mut seen = self.seen.lock().unwrap();
         match event {
-            PortEvent::Serial(message) if message.is_sound() => self.requests.push_back(*message),
+            PortEvent::Serial(message) if message.is_sound() => {
+                seen.requests += 1;
+                self.requests.push_back(*message);
+            }
             PortEvent::Serial(_) => seen.damaged += 1,
             PortEvent::Sent { at } => {
                 seen.sent += 1;
@@ -106,7 +121,11 @@ impl Endpoint for Reader {
     }
 
     fn work(&self) -> Option<Span> {
-        let words = self.requests.front()?.data().get(1).copied().unwrap_or(0);
+        let request = self.requests.front()?.data();
+        if request == ENDLESS {
+            return Some(Span::from_secs(3_600));
+        }
+        let words = request.get(1).copied().unwrap_or(0);
         Some(RequestCosts::RIG.of(u16::from(words)))
     }
 

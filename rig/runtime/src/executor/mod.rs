@@ -313,7 +313,8 @@ impl<'a> Executor<'a> {
         }
         let next = next.max(self.now);
         let due = self.approach(next)?;
-        let reached = self.parts.subject.run(due, &mut self.buffers.effects);
+        // What was due when the host's time went on without the subject, while a program was loaded, is due now.
+        let reached = self.parts.subject.run(due, &mut self.buffers.effects).max(self.now);
         if due < next && self.has_computed(reached) {
             return Ok(true);
         }
