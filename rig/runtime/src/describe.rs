@@ -120,9 +120,8 @@ pub(crate) fn annotate_files(trace: &mut Trace, case: &Case, files: &CaseFiles, 
         let file = guards.file();
         trace.set_note(&format!("guards:{place:03}:{kind}:{}", file.name), file.text.clone());
     }
-    let bound = crate::ports::buses_of(&files.board, files.reference);
-    for (place, port) in files.reference.ports.iter().enumerate().filter(|(place, _)| bound[*place].is_some())
-    {
+    let ports = crate::ports::wired(&files.board, files.reference);
+    for (place, port) in ports.iter().enumerate().filter(|(_, port)| port.bus.is_some()) {
         trace.set_note(&format!("port:{place}"), port.name.to_owned());
     }
     for (place, source) in files.sources.iter().enumerate() {

@@ -2,19 +2,21 @@
 
 use crate::case_files::CaseFiles;
 use crate::codes;
+use crate::wiring::WiredPort;
 use document::{Diagnostic, suggest};
-use drivers::{BoardFile, BusId};
+use drivers::BoardFile;
 use profile::Reference;
 
-/// The bus behind each port of a reference, by the port's number; what it lacks is left out.
-pub(crate) fn buses_of(file: &BoardFile, reference: &Reference) -> Vec<Option<BusId>> {
-    let mut buses = vec![None; reference.ports.len()];
+/// The ports of a reference with the buses behind them, by the port's number; what it lacks is left out.
+pub(crate) fn wired(file: &BoardFile, reference: &Reference) -> Vec<WiredPort> {
+    let mut ports: Vec<_> =
+        reference.ports.iter().map(|port| WiredPort { name: port.name, bus: None }).collect();
     for binding in &file.ports {
         if let Some(port) = reference.find_port(&binding.port) {
-            buses[port] = Some(binding.bus);
+            ports[port].bus = Some(binding.bus);
         }
     }
-    buses
+    ports
 }
 
 /// Ports that the board file binds and the controller of a case lacks: the plan's reference goes before the board's.

@@ -17,6 +17,15 @@ pub struct WiredInput {
     pub analog: bool,
 }
 
+/// A port of a subject that the rig plays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WiredPort {
+    /// Its name.
+    pub name: &'static str,
+    /// The bus behind it.
+    pub bus: Option<BusId>,
+}
+
 /// The tables that the executor looks up in its loop.
 #[derive(Debug, Default)]
 pub struct Wiring {
@@ -30,8 +39,8 @@ pub struct Wiring {
     pub early: Vec<Span>,
     /// Signals that show each observed probe, by its number.
     pub probes: Vec<Vec<SignalId>>,
-    /// The bus behind each port of a subject that the rig plays.
-    pub ports: Vec<Option<BusId>>,
+    /// The ports of a subject that the rig plays, by their numbers.
+    pub ports: Vec<WiredPort>,
     /// Signals that follow the frames of each bus.
     pub buses: Vec<Vec<Watch>>,
     /// Last writer of each channel, as the subject told it.

@@ -60,8 +60,6 @@ pub struct ExecutorReport {
     pub log: Vec<(Time, String)>,
     /// Log lines that found no room.
     pub log_dropped: u64,
-    /// Messages that endpoints of the controller sent at ports without a bus.
-    pub port_discarded: u64,
     /// The CAN frames that were on its buses.
     pub frames: FrameLog,
 }

@@ -392,19 +392,29 @@ impl<'a> Executor<'a> {
                     }
                 }
                 Effect::Log { at, entry } => {
-                    if let Some(live) = &mut self.live {
-                        live.log(at, &crate::log::show(&entry, self.parts.subject.catalogue()));
-                    }
-                    if self.report.log.len() < LOG_LINES {
-                        self.report.log.push((at, crate::log::show(&entry, self.parts.subject.catalogue())));
-                    } else {
+                    // No words for a line that nobody gets.
+                    if self.live.is_none() && self.report.log.len() >= LOG_LINES {
                         self.report.log_dropped += 1;
+                        continue;
                     }
+                    self.log(at, crate::log::show(&entry, self.parts.subject.catalogue()));
                 }
             }
         }
         self.buffers.spare.clear();
         if outcome.and(self.write_effects())? || sent { self.poll() } else { Ok(()) }
+    }
+
+    /// A line for the log of the case, and for clients.
+    fn log(&mut self, at: Time, text: String) {
+        if let Some(live) = &mut self.live {
+            live.log(at, &text);
+        }
+        if self.report.log.len() < LOG_LINES {
+            self.report.log.push((at, text));
+        } else {
+            self.report.log_dropped += 1;
+        }
     }
 
     /// Hands what the subject wrote to the board, if anything.

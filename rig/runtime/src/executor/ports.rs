@@ -2,6 +2,7 @@
 
 use super::Executor;
 use crate::rig_fault::RigFault;
+use crate::wiring::WiredPort;
 use controller::{PortEvent, PortMessage};
 use drivers::{BoardError, BoardExt, Bus, BusEvent, BusId};
 use signal::{MAX_SERIAL_DATA, SerialOutput, Span, Time};
@@ -21,8 +22,10 @@ struct PendingEvent {
 /// What passes between ports and buses.
 #[derive(Debug)]
 pub(super) struct BoundPorts {
-    /// The bus behind each port.
-    buses: Vec<Option<BusId>>,
+    /// The bus behind each port, by the port's number.
+    list: Vec<WiredPort>,
+    /// Something was sent at this port, which has no bus, and that is in the log.
+    discards: Vec<bool>,
     /// The port on each bus.
     ports: Vec<Option<usize>>,
     /// By their instants.
@@ -33,16 +36,17 @@ pub(super) struct BoundPorts {
 
 impl BoundPorts {
     /// Ports on these buses, of a board with so many.
-    pub(super) fn new(bound: &[Option<BusId>], buses: usize) -> BoundPorts {
-        let any = bound.iter().any(Option::is_some);
+    pub(super) fn new(wired: &[WiredPort], buses: usize) -> BoundPorts {
+        let any = wired.iter().any(|port| port.bus.is_some());
         let mut ports = vec![None; buses];
-        for (port, bus) in bound.iter().enumerate() {
-            if let Some(place) = bus.and_then(|bus| ports.get_mut(usize::from(bus.0))) {
+        for (port, wired) in wired.iter().enumerate() {
+            if let Some(place) = wired.bus.and_then(|bus| ports.get_mut(usize::from(bus.0))) {
                 *place = Some(port);
             }
         }
         BoundPorts {
-            buses: bound.to_vec(),
+            list: wired.to_vec(),
+            discards: vec![false; wired.len()],
             ports,
             pending: VecDeque::with_capacity(if any { MOST_PENDING } else { 0 }),
             output: SerialOutput::Characters {
@@ -51,6 +55,11 @@ impl BoundPorts {
                 flaw: None,
             },
         }
+    }
+
+    /// The bus behind a port.
+    fn bus(&self, port: usize) -> Option<BusId> {
+        self.list.get(port)?.bus
     }
 
     /// When the next event reaches its port.
@@ -113,8 +122,8 @@ impl Executor<'_> {
         let Some(message) = self.parts.subject.ports().and_then(|ports| ports.take_output(port)) else {
             return false;
         };
-        let Some(bus) = self.ports.buses.get(port).copied().flatten() else {
-            self.report.port_discarded += 1;
+        let Some(bus) = self.ports.bus(port) else {
+            self.note_discarded(at, port);
             return false;
         };
         let now = self.board_time();
@@ -135,10 +144,22 @@ impl Executor<'_> {
         true
     }
 
+    /// What was sent at a port without a bus is discarded; the log says so once.
+    fn note_discarded(&mut self, at: Time, port: usize) {
+        let Some(noted) = self.ports.discards.get_mut(port) else { return };
+        if !std::mem::replace(noted, true) {
+            let name = self.ports.list[port].name;
+            self.log(
+                at,
+                format!("{name}: the board file binds no bus to it; what its endpoint sends is discarded"),
+            );
+        }
+    }
+
     /// The electronics of a port stop: what it is sending breaks off. Whether it is on a bus.
     pub(super) fn silence_port(&mut self, port: usize) -> Result<bool, RigFault> {
         self.ports.pending.retain(|pending| pending.port != port);
-        let Some(bus) = self.ports.buses.get(port).copied().flatten() else { return Ok(false) };
+        let Some(bus) = self.ports.bus(port) else { return Ok(false) };
         let at = self.board_time();
         self.parts.board.break_off(at, bus).map_err(|error| RigFault::Board { at, error })?;
         Ok(true)
@@ -146,7 +167,7 @@ impl Executor<'_> {
 
     /// The bus behind a port.
     fn port_bus(&self, port: usize) -> Option<&Bus> {
-        let bus = self.ports.buses.get(port).copied().flatten()?;
+        let bus = self.ports.bus(port)?;
         self.parts.board.bus_list().get(usize::from(bus.0))
     }
 }

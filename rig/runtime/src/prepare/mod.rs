@@ -113,7 +113,7 @@ pub fn prepare(
     let mut out = Findings::new(plan, plans::TOML);
     let mut wiring = Wiring::of(bench.file, &*bench.subject, bench.board.channels().len());
     if !bench.file.subject.is_external() {
-        wiring.ports = ports::buses_of(bench.file, bench.reference);
+        wiring.ports = ports::wired(bench.file, bench.reference);
     }
     wiring.state = define(&mut trace, state_info(bench.file), &mut out);
     if let (Some(probe), Some(state)) = (bench.subject.state_probe(), wiring.state) {
