@@ -352,7 +352,7 @@ impl<'a> Executor<'a> {
         }
         std::mem::swap(&mut self.buffers.effects.list, &mut self.buffers.spare);
         self.buffers.writes.clear();
-        let (mut outcome, mut sent) = (Ok(()), false);
+        let mut outcome = Ok(());
         for index in 0..self.buffers.spare.len() {
             let effect = self.buffers.spare[index];
             match effect {
@@ -370,11 +370,8 @@ impl<'a> Executor<'a> {
                     outcome = outcome.and(made);
                 }
                 Effect::PeriodRestarted { at, output } => self.cannot_restart_period(at, output),
-                Effect::PortOutput { at, port } => sent |= self.send_from_port(at, port),
-                Effect::PortSilent { port, .. } => match self.silence_port(port) {
-                    Ok(on_bus) => sent |= on_bus,
-                    Err(fault) => outcome = outcome.and(Err(fault)),
-                },
+                Effect::PortOutput { at, port } => self.send_from_port(at, port),
+                Effect::PortSilent { port, .. } => outcome = outcome.and(self.silence_port(port)),
                 Effect::State { at, state } => {
                     if let Some(signal) = self.parts.wiring.state {
                         let at = self.seen(at);
@@ -402,7 +399,7 @@ impl<'a> Executor<'a> {
             }
         }
         self.buffers.spare.clear();
-        if outcome.and(self.write_effects())? || sent { self.poll() } else { Ok(()) }
+        if outcome.and(self.write_effects())? { self.poll() } else { Ok(()) }
     }
 
     /// A line for the log of the case, and for clients.

@@ -117,15 +117,12 @@ impl Executor<'_> {
         self.apply()
     }
 
-    /// A port sends a message now; whether it went to a bus.
-    pub(super) fn send_from_port(&mut self, at: Time, port: usize) -> bool {
+    /// A port sends a message now.
+    pub(super) fn send_from_port(&mut self, at: Time, port: usize) {
         let Some(message) = self.parts.subject.ports().and_then(|ports| ports.take_output(port)) else {
-            return false;
+            return;
         };
-        let Some(bus) = self.ports.bus(port) else {
-            self.note_discarded(at, port);
-            return false;
-        };
+        let Some(bus) = self.ports.bus(port) else { return self.note_discarded(at, port) };
         let now = self.board_time();
         let sent = match (&message, &mut self.ports.output) {
             (PortMessage::Can(frame), _) => self.parts.board.send(now, bus, frame),
@@ -141,7 +138,6 @@ impl Executor<'_> {
             self.report.fault.get_or_insert(RigFault::PortNotSent { at, bus, error });
             self.put_to_port(at, port, PortEvent::NotSent);
         }
-        true
     }
 
     /// What was sent at a port without a bus is discarded; the log says so once.
@@ -156,13 +152,11 @@ impl Executor<'_> {
         }
     }
 
-    /// The electronics of a port stop: what it is sending breaks off. Whether it is on a bus.
-    pub(super) fn silence_port(&mut self, port: usize) -> Result<bool, RigFault> {
-        self.ports.pending.retain(|pending| pending.port != port);
-        let Some(bus) = self.ports.bus(port) else { return Ok(false) };
+    /// The electronics of a port stop: what it is sending breaks off.
+    pub(super) fn silence_port(&mut self, port: usize) -> Result<(), RigFault> {
+        let Some(bus) = self.ports.bus(port) else { return Ok(()) };
         let at = self.board_time();
-        self.parts.board.break_off(at, bus).map_err(|error| RigFault::Board { at, error })?;
-        Ok(true)
+        self.parts.board.break_off(at, bus).map_err(|error| RigFault::Board { at, error })
     }
 
     /// The bus behind a port.
