@@ -177,8 +177,7 @@ impl PortOutbox {
             self.dropped += 1;
             return Err(OutboxFull);
         }
-        let last = self.queue.back().map_or(at, |(last, _)| *last);
-        self.queue.push_back((at.max(last), message));
+        self.queue.push_back((at, message));
         Ok(())
     }
 
@@ -243,6 +242,23 @@ mod tests {
         assert_eq!(outbox.take(), None, "nothing is handed out before its instant");
         assert!(outbox.announce(at(10)) && outbox.announce(at(10)) && !outbox.announce(at(10)));
         assert_eq!((outbox.take(), outbox.take(), outbox.take()), (Some(bytes(1)), Some(bytes(2)), None));
+    }
+
+    /// A controller whose boot took no time is ahead of its lines: every instant of an event is.
+    #[test]
+    fn an_event_is_moved_with_all_its_instants() {
+        let by = Span::from_nanos(100);
+        let when = |earliest, latest| When::within(at(earliest), at(latest));
+        let message = |by: i64| SerialMessage::of(when(1 + by, 2 + by), when(3 + by, 5 + by), b"x");
+        let frame = CanFrame::classic(1, false, &[]).unwrap();
+        for (event, moved) in [
+            (PortEvent::Serial(message(0)), PortEvent::Serial(message(100))),
+            (PortEvent::Can { at: when(1, 2), frame }, PortEvent::Can { at: when(101, 102), frame }),
+            (PortEvent::Sent { at: when(1, 2) }, PortEvent::Sent { at: when(101, 102) }),
+            (PortEvent::Missed(3), PortEvent::Missed(3)),
+        ] {
+            assert_eq!(event.shifted(by), moved);
+        }
     }
 
     #[test]

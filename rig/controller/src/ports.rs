@@ -178,7 +178,7 @@ impl Ports {
 
     /// A port that may send by `now`, once for each message.
     pub(crate) fn announce(&mut self, now: Time) -> Option<usize> {
-        if !self.attached || self.quiet {
+        if !self.attached {
             return None;
         }
         self.list.iter_mut().position(|port| port.outbox.announce(now))

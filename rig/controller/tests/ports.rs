@@ -199,7 +199,10 @@ fn communication_goes_on_in_stopped() {
     rig.to(run_at(ms(40)));
     assert_eq!(heard.lock().unwrap().last().map(|(_, life)| *life), Some(PortLife::State(State::Stopped)));
     rig.receive(0, &request(b'R', 5, 1));
+    // Real lines have it run ahead for that.
+    assert!(rig.plc.is_computing());
     rig.to(run_at(ms(60)));
+    assert!(!rig.plc.is_computing());
     assert_eq!(rig.outputs(0), [run_at(ms(48))]);
 }
 
@@ -234,7 +237,8 @@ fn power_ends_what_is_under_way() {
     rig.receive(0, &request(b'R', 5, 1));
     rig.to(run_at(ms(100)));
     assert_eq!(rig.outputs(0), []);
-    assert_eq!(rig.plc.port_status(0).map(|status| (status.received, status.discarded)), Some((1, 1)));
+    let PortStatus { received, discarded, steps, .. } = rig.plc.port_status(0).unwrap();
+    assert_eq!((received, discarded, steps), (1, 1, 0));
     rig.power_on();
     rig.after(BOOT + ms(11));
     let lives: Vec<_> = heard.lock().unwrap().iter().map(|(_, life)| *life).collect();
@@ -281,4 +285,231 @@ fn ports_take_their_steps_in_turn() {
         (rig.outputs(0), rig.outputs(1)),
         (vec![run_at(ms(13)), run_at(ms(15))], vec![run_at(ms(14))])
     );
+}
+
+/// What an endpoint does in a step.
+type Step = Box<dyn FnMut(&mut dyn RegisterAccess) + Send>;
+
+/// Does this in a step of 100 us for each message.
+struct Doing {
+    waiting: usize,
+    step: Step,
+}
+
+impl std::fmt::Debug for Doing {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Doing").finish_non_exhaustive()
+    }
+}
+
+impl Endpoint for Doing {
+    fn enter(&mut self, _: Time, _: PortLife, _: &mut Outbox) {}
+
+    fn receive(&mut self, _: Time, _: &PortEvent, _: &mut Outbox) {
+        self.waiting += 1;
+    }
+
+    fn next(&self) -> Time {
+        Time::MAX
+    }
+
+    fn fire(&mut self, _: Time, _: &mut Outbox) {}
+
+    fn work(&self) -> Option<Span> {
+        (self.waiting > 0).then_some(us(100))
+    }
+
+    fn step(&mut self, _: Time, registers: &mut dyn RegisterAccess, _: &mut Outbox) {
+        self.waiting -= 1;
+        (self.step)(registers);
+    }
+}
+
+/// Has a controller's endpoint at SL2 do this in RUNNING, while MAST is at rest.
+fn doing(step: impl FnMut(&mut dyn RegisterAccess) + Send + 'static) -> Rig {
+    let mut rig = Rig::off(config(), half_load());
+    assert!(rig.plc.attach_endpoint(1, Box::new(Doing { waiting: 0, step: Box::new(step) })));
+    rig.plc.commission(b"app", State::Running).unwrap();
+    rig.power_on();
+    rig.after(BOOT);
+    rig.settle();
+    rig.to(run_at(ms(12)));
+    rig
+}
+
+#[test]
+fn bits_are_those_of_their_area_up_to_its_end() {
+    let done = Arc::new(Mutex::new(0));
+    let count = done.clone();
+    let mut rig = doing(move |registers| {
+        assert_eq!(registers.state(), State::Running);
+        registers.write_bits(Area::Memory, 159, &[true, false, true]).unwrap();
+        let mut bits = [false; 5];
+        registers.read_bits(Area::Memory, 158, &mut bits).unwrap();
+        assert_eq!(bits, [false, true, false, true, false]);
+        assert_eq!(registers.write_bits(Area::Input, 0, &[true]), Err(RegisterError::IllegalAddress));
+        let end = profile::Profile::M241_2019.address_limits().bits(Area::Memory);
+        assert_eq!(
+            registers.write_bits(Area::Memory, end - 1, &[true; 2]),
+            Err(RegisterError::IllegalAddress)
+        );
+        let beyond = registers.read_bits(Area::Memory, end - 1, &mut [false; 2]);
+        assert_eq!(beyond, Err(RegisterError::IllegalAddress));
+        registers.read_bits(Area::Memory, end - 1, &mut bits[..1]).unwrap();
+        assert!(!bits[0], "all or none");
+        *count.lock().unwrap() += 1;
+    });
+    rig.receive(1, &request(b'x', 0, 0));
+    rig.to(run_at(ms(13)));
+    assert_eq!(*done.lock().unwrap(), 1);
+    assert_eq!((rig.memory("%MX19.7"), rig.memory("%MX20.1"), rig.memory("%IX0.0")), (1, 1, 0));
+}
+
+/// As any write from outside: in STOPPED, where no cycle ends, a save begins with the write and not with the next refresh of
+/// inputs and outputs, for which the supply does not last (controller:REM-02).
+#[test]
+fn what_is_written_in_stopped_is_kept_over_a_power_cut() {
+    let mut rig = doing(|registers| registers.write_registers(9, &[4_711]).unwrap());
+    rig.command(Command::Stop).unwrap();
+    rig.to(run_at(ms(40)));
+    assert_eq!(rig.plc.state(), State::Stopped);
+    rig.receive(1, &request(b'x', 0, 0));
+    rig.after(ms(1));
+    rig.power_off();
+    rig.after(ms(100));
+    rig.power_on();
+    rig.after(BOOT + ms(10));
+    assert_eq!(rig.memory("%MW9"), 4_711);
+}
+
+/// Whoever reads the trace sees which port wrote, register by register and bit by bit.
+#[test]
+fn the_second_port_writes_in_its_own_name() {
+    let mut rig = doing(|registers| {
+        registers.write_bits(Area::Output, 0, &[true]).unwrap();
+        registers.write_bits(Area::Memory, 0, &[true]).unwrap();
+        registers.write_registers(9, &[1]).unwrap();
+    });
+    let bit = rig.plc.watch(Probe::Address(at("%MX0.0")));
+    let word = rig.plc.watch(Probe::Address(at("%MW9")));
+    rig.receive(1, &request(b'x', 0, 0));
+    rig.to(run_at(ms(13)));
+    rig.to(run_at(ms(31)));
+    let (terminal, value) = (Terminal::output(0), Value::Bool(true));
+    let driven = Effect::Terminal { at: run_at(ms(30) + us(2)), terminal, value, cause: Cause::Port(1) };
+    assert!(rig.seen.contains(&driven), "{:?}", rig.seen);
+    for (probe, value) in [(bit, Value::Bool(true)), (word, Value::Word(1))] {
+        let written = Effect::Changed { at: run_at(us(12_100)), probe, value, cause: Cause::Port(1) };
+        assert!(rig.seen.contains(&written), "{:?}", rig.seen);
+    }
+}
+
+#[test]
+fn a_controller_says_what_it_is() {
+    let said = Arc::new(Mutex::new(None));
+    let into = said.clone();
+    let mut rig = doing(move |registers| *into.lock().unwrap() = Some(registers.identification()));
+    rig.receive(1, &request(b'x', 0, 0));
+    rig.to(run_at(ms(13)));
+    let reference = config().reference;
+    let expected = Identification {
+        vendor: profile::VENDOR_NAME,
+        vendor_id: profile::VENDOR_ID,
+        reference: reference.name,
+        product_id: reference.product_id(),
+        firmware: profile::FIRMWARE_VERSION,
+        serial_number: profile::SERIAL_NUMBER,
+    };
+    assert_eq!(said.lock().unwrap().take(), Some(expected));
+}
+
+/// Sends when the controller enters a state: its name at once, 5 ms later and 10 s later. Every 10 ms it wants to be called.
+#[derive(Debug, Default)]
+struct Announcer {
+    due: Time,
+    seen: Arc<Mutex<Seen>>,
+}
+
+#[derive(Debug, Default)]
+struct Seen {
+    /// Messages that waited when it was to enter a state.
+    waited: Vec<usize>,
+    /// When it was called.
+    fired: Vec<Time>,
+}
+
+impl Endpoint for Announcer {
+    fn enter(&mut self, now: Time, life: PortLife, outbox: &mut Outbox) {
+        let PortLife::State(state) = life else { return };
+        self.seen.lock().unwrap().waited.push(outbox.len());
+        for wait in [0, 5, 10_000] {
+            outbox.push(now + ms(wait), PortMessage::serial(state.name().as_bytes()).unwrap()).unwrap();
+        }
+    }
+
+    fn receive(&mut self, _: Time, _: &PortEvent, _: &mut Outbox) {}
+
+    fn next(&self) -> Time {
+        self.due
+    }
+
+    fn fire(&mut self, now: Time, _: &mut Outbox) {
+        self.seen.lock().unwrap().fired.push(now);
+        self.due = now + ms(10);
+    }
+
+    fn work(&self) -> Option<Span> {
+        None
+    }
+
+    fn step(&mut self, _: Time, _: &mut dyn RegisterAccess, _: &mut Outbox) {}
+}
+
+/// What waited is gone before the endpoint learns that there is no power, what it sends then goes nowhere, and its time does
+/// not come until there is power again.
+#[test]
+fn without_power_an_endpoint_rests() {
+    let announcer = Announcer::default();
+    let seen = announcer.seen.clone();
+    let mut rig = Rig::off(config(), half_load());
+    assert!(rig.plc.attach_endpoint(0, Box::new(announcer)));
+    rig.plc.commission(b"app", State::Running).unwrap();
+    rig.power_on();
+    rig.after(BOOT + ms(12));
+    rig.power_off();
+    rig.after(ms(100));
+    rig.power_on();
+    let (begun, again) = (run_at(Span::ZERO), rig.now + BOOT);
+    rig.after(BOOT + ms(12));
+    assert_eq!(rig.outputs(0), [begun, begun + ms(5), again, again + ms(5)]);
+    // What was announced before the cut and not taken is gone, too.
+    assert_eq!([0; 2].map(|_| bytes(rig.plc.take_output(0))), [b"RUNNING"; 2]);
+    assert_eq!(rig.plc.take_output(0), None);
+    let seen = seen.lock().unwrap();
+    assert_eq!(seen.waited, [0; 5], "BOOTING, RUNNING, OFF, BOOTING, RUNNING");
+    assert_eq!(seen.fired, [begun, begun + ms(10), again, again + ms(10)]);
+}
+
+/// controller:TR-02: INVALID_OS has no memory to show.
+#[test]
+fn without_firmware_memory_does_not_answer() {
+    let done = Arc::new(Mutex::new(0));
+    let count = done.clone();
+    let mut rig = Rig::off(config(), half_load());
+    let step: Step = Box::new(move |registers| {
+        let none = Err(RegisterError::NoAnswer);
+        assert_eq!(registers.read_registers(5, &mut [0]), none);
+        assert_eq!(registers.write_registers(5, &[0]), none);
+        assert_eq!(registers.read_bits(Area::Output, 0, &mut [false]), none);
+        assert_eq!(registers.write_bits(Area::Output, 0, &[true]), none);
+        *count.lock().unwrap() += 1;
+    });
+    assert!(rig.plc.attach_endpoint(0, Box::new(Doing { waiting: 0, step })));
+    rig.plc.damage_firmware();
+    rig.power_on();
+    rig.after(BOOT + ms(1));
+    assert_eq!(rig.plc.state(), State::InvalidOs);
+    rig.receive(0, &request(b'x', 0, 0));
+    rig.after(ms(1));
+    assert_eq!(*done.lock().unwrap(), 1);
 }

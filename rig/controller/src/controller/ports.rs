@@ -127,7 +127,6 @@ impl RegisterAccess for PortRegisters<'_> {
     }
 
     fn write_registers(&mut self, first: u16, values: &[u16]) -> Result<(), RegisterError> {
-        self.controller.refresh_watches();
         self.controller.write_registers(self.now, first, values, self.cause, self.fx)?;
         self.written();
         Ok(())
@@ -152,7 +151,6 @@ impl RegisterAccess for PortRegisters<'_> {
             return Err(RegisterError::IllegalAddress);
         }
         let places = self.bits(area, first, values.len())?;
-        self.controller.refresh_watches();
         self.controller.memory.set_cause(self.cause);
         for (at, value) in places.zip(values) {
             self.controller.memory.store(at, u64::from(*value));
