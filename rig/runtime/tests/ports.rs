@@ -1,6 +1,7 @@
 //! Endpoints of the controller on buses of the board: from the partner at the far end through the port, the endpoint and the
 //! memory back to the partner, in virtual time.
 
+mod events;
 mod real;
 
 use crate::allocation::Noting;
@@ -155,6 +156,8 @@ impl Endpoint for Reader {
 #[derive(Debug, Default)]
 struct World {
     script: VecDeque<(Time, BusId, SerialOutput)>,
+    /// What the board reports when besides what is on its lines.
+    reports: VecDeque<(Time, BusEvent)>,
     heard: Vec<BusEvent>,
 }
 
@@ -201,8 +204,10 @@ impl Board for WithPartners {
         self.board.poll(now, out)
     }
     fn next_event(&self) -> Option<Time> {
-        let script = self.world.lock().unwrap().script.front().map(|(at, ..)| *at);
-        self.board.next_event().into_iter().chain(script).min()
+        let world = self.world.lock().unwrap();
+        let script = world.script.front().map(|(at, ..)| *at);
+        let reports = world.reports.front().map(|(at, _)| *at);
+        self.board.next_event().into_iter().chain(script).chain(reports).min()
     }
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
         self.board.safe(now)
@@ -238,6 +243,10 @@ impl Buses for WithPartners {
         let first = out.len();
         self.board.poll_buses(now, out)?;
         let mut world = self.world.lock().unwrap();
+        while let Some((_, event)) = world.reports.front().copied().filter(|(at, _)| *at <= now) {
+            world.reports.pop_front();
+            out.push(event);
+        }
         // What it heard is looked into; in a test of allocations nobody does.
         if world.heard.capacity() > world.heard.len() + out.len() {
             world.heard.extend_from_slice(&out[first..]);
@@ -337,6 +346,19 @@ fn an_answer_comes_after_gap_and_processor_time_to_the_nanosecond() {
     let Told { sent, free: Some((free, learned)), damaged, .. } = bench.told() else { panic!() };
     assert_eq!((sent, damaged, learned), (1, 0, free), "it learns that its line is free as it is");
     assert_eq!(free - answers[0].first.earliest, characters(4));
+}
+
+/// A shorter answer has nothing of the longer one before it.
+#[test]
+fn each_request_has_its_own_answer() {
+    let asked = start() + ms(105);
+    let mut bench = Bench::new("", BOUND, ENDS)
+        .attach(SL1, None)
+        .says(asked, SerialOutput::plain(&[5, 2]))
+        .says(asked + ms(50), SerialOutput::plain(&[5, 1]));
+    assert_eq!(bench.run().fault, None);
+    let answers: Vec<_> = bench.received(PARTNER).iter().map(|answer| answer.data().to_vec()).collect();
+    assert_eq!(answers, [vec![0x12, 0x34, 0, 0], vec![0x12, 0x34]]);
 }
 
 /// Twice and with any slices, the trace and what is on the lines are the same.

@@ -437,3 +437,78 @@ impl ExpertFunctions for SoftPlc {
         self.model.count(now, input, steps);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Model;
+    use crate::store::MemoryStore;
+    use controller::{Config, Endpoint, Outbox, PortLife, RegisterAccess};
+    use signal::SerialMessage;
+    use std::sync::{Arc, Mutex};
+
+    type Heard = Arc<Mutex<Vec<(Time, PortEvent)>>>;
+
+    /// Notes what comes, and answers it 1 ms after its end.
+    #[derive(Debug)]
+    struct Answering(Heard);
+
+    impl Endpoint for Answering {
+        fn enter(&mut self, _: Time, _: PortLife, _: &mut Outbox) {}
+
+        fn receive(&mut self, now: Time, event: &PortEvent, outbox: &mut Outbox) {
+            self.0.lock().unwrap().push((now, *event));
+            if let PortEvent::Serial(message) = event {
+                let at = message.last.latest + Span::from_millis(1);
+                outbox.push(at, PortMessage::serial(b"answer").unwrap()).unwrap();
+            }
+        }
+
+        fn next(&self) -> Time {
+            Time::MAX
+        }
+
+        fn fire(&mut self, _: Time, _: &mut Outbox) {}
+
+        fn work(&self) -> Option<Span> {
+            None
+        }
+
+        fn step(&mut self, _: Time, _: &mut dyn RegisterAccess, _: &mut Outbox) {}
+    }
+
+    /// The controller's own time is ahead of its lines by the boot that took none; an endpoint lives in it.
+    #[test]
+    fn a_port_is_in_the_time_of_its_lines() {
+        let heard = Heard::default();
+        let config = Config::new(profile::Profile::M241_2019);
+        let mut model = Model::new(config, None, Box::new(MemoryStore::default()), None).unwrap();
+        assert!(model.attach_endpoint(0, Box::new(Answering(heard.clone()))));
+        let (tell, _told) = std::sync::mpsc::sync_channel(16);
+        let places = SoftPlcTerminals { inputs: 14, outputs: 10 };
+        let mut plc = SoftPlc::new(Box::new(model), SubjectLines::default(), places, State::Empty, tell);
+        plc.quick = true;
+        let mut effects = Effects::new();
+        plc.switch(Time::ZERO, true, &mut effects);
+        assert!(plc.ahead > Span::ZERO);
+        effects.list.clear();
+
+        let last = Time::ZERO + Span::from_millis(5);
+        let now = last + Span::from_micros(10);
+        plc.run(now, &mut effects);
+        let message = SerialMessage::of(When::exactly(Time::ZERO), When::within(last, now), b"x");
+        plc.receive(now, 0, &PortEvent::Serial(message), &mut effects);
+        let event = PortEvent::Serial(message).shifted(plc.ahead);
+        assert_eq!(*heard.lock().unwrap(), [(plc.own(now), event)]);
+        let due = now + Span::from_millis(1);
+        while plc.next_timer().is_some_and(|next| next <= due) {
+            let next = plc.next_timer().unwrap();
+            plc.run(next, &mut effects);
+            plc.fire(next, &mut effects);
+        }
+        let output = |effect: &&Effect| matches!(effect, Effect::PortOutput { .. });
+        let sent: Vec<_> = effects.list.iter().filter(output).collect();
+        assert_eq!(sent, [&Effect::PortOutput { at: due, port: 0 }]);
+        assert!(plc.take_output(0).is_some());
+    }
+}
