@@ -445,6 +445,100 @@ fn ends_of_a_simulated_line_hear_each_other_as_their_settings_allow() {
     assert!(message.errors.any() || message.data() != [0x11, 0x07]);
 }
 
+/// What `b` hears of bytes that `a` sends at these milliseconds.
+fn heard_of(board: &mut dyn scanrig_drivers::Board, sends: &[(i64, &[u8])]) -> Vec<SerialMessage> {
+    let mut events = Vec::new();
+    for (millis, bytes) in sends {
+        let at = Time::ZERO + Span::from_millis(*millis);
+        board.poll_buses(at, &mut events).unwrap();
+        board.send_serial(at, BusId(0), &SerialOutput::plain(bytes)).unwrap();
+    }
+    while let Some(next) = board.next_event() {
+        board.poll_buses(next, &mut events).unwrap();
+    }
+    let message = |event: &BusEvent| match event {
+        BusEvent::SerialMessage { bus: BusId(1), message, own: false } => Some(*message),
+        _ => None,
+    };
+    events.iter().filter_map(message).collect()
+}
+
+#[test]
+fn an_end_of_a_simulated_line_takes_other_settings_from_an_instant_on() {
+    let file = SerialSettings { baud: 9_600, ..SerialSettings::default() };
+    let other = SerialSettings { baud: 38_400, parity: Parity::Odd, stop_bits: 2, ..file };
+    let (at, gap) = (|millis| Time::ZERO + Span::from_millis(millis), Span::from_millis(2));
+    let mut board = simulated(", rs485 = {}");
+    let sound = |message: &SerialMessage| message.is_sound() && message.data() == [0x11, 0x07];
+    let bytes = &[0x11, 0x07][..];
+    board.start(Time::ZERO).unwrap();
+    // The ends disagree once one of them has other settings, and agree when the other one has them, too. What `a` sends
+    // already goes out as it was.
+    let [message] = heard_of(&mut *board, &[(1, bytes)])[..] else { panic!("not one message") };
+    assert!(sound(&message));
+    board.send_serial(at(100), BusId(0), &SerialOutput::plain(bytes)).unwrap();
+    board.configure(at(100), BusId(0), &other, gap).unwrap();
+    let [before, rest @ ..] = &heard_of(&mut *board, &[(200, bytes)])[..] else {
+        panic!("nothing was heard")
+    };
+    assert!(sound(before) && !rest.iter().any(sound), "{before:?} {rest:?}");
+    board.configure(at(300), BusId(1), &other, gap).unwrap();
+    let [message] = heard_of(&mut *board, &[(400, bytes)])[..] else { panic!("not one message") };
+    assert!(sound(&message));
+    assert_eq!((message.last.latest - message.first.latest).as_nanos(), (12 + 11) * 1_000_000_000 / 38_400);
+    // What was over by then was heard as before, also if nobody asked meanwhile.
+    board.send_serial(at(500), BusId(0), &SerialOutput::plain(bytes)).unwrap();
+    board.configure(at(600), BusId(1), &file, gap).unwrap();
+    let [before, rest @ ..] = &heard_of(&mut *board, &[(700, bytes)])[..] else {
+        panic!("nothing was heard")
+    };
+    assert!(sound(before) && !rest.iter().any(sound), "{before:?} {rest:?}");
+    // A message that it is in the middle of is lost.
+    board.configure(at(800), BusId(0), &file, gap).unwrap();
+    board.send_serial(at(900), BusId(0), &SerialOutput::plain(bytes)).unwrap();
+    board.configure(at(902), BusId(1), &file, gap).unwrap();
+    assert!(!heard_of(&mut *board, &[]).iter().any(sound));
+    // The next run begins with the file's.
+    board.configure(at(1_000), BusId(0), &other, gap).unwrap();
+    board.safe(at(1_001)).unwrap();
+    assert_eq!(board.configure(at(1_001), BusId(0), &other, gap), Err(BoardError::Latched));
+    board.start(Time::ZERO).unwrap();
+    let [message] = heard_of(&mut *board, &[(1, bytes)])[..] else { panic!("not one message") };
+    assert!(sound(&message));
+}
+
+#[test]
+fn settings_that_a_line_cannot_have_are_refused() {
+    let (now, gap, line) = (Time::ZERO, Span::from_millis(2), SerialSettings::default());
+    let mut board = simulated(", rs485 = {}");
+    board.start(now).unwrap();
+    let refused = Err(BoardError::BadSettings(BusId(0)));
+    for bad in [
+        SerialSettings { baud: 0, ..line },
+        SerialSettings { data_bits: 9, ..line },
+        SerialSettings { stop_bits: 0, ..line },
+    ] {
+        assert_eq!(board.configure(now, BusId(0), &bad, gap), refused, "{bad}");
+    }
+    assert_eq!(board.configure(now, BusId(0), &line, Span::ZERO), refused);
+    assert_eq!(board.configure(now, BusId(7), &line, gap), Err(BoardError::NoBus(BusId(7))));
+}
+
+/// A port of this machine is what its board file says.
+#[test]
+fn a_port_keeps_the_settings_of_its_board_file() {
+    let (_far, near) = pair();
+    let at = BoardContext::new(Realtime::default());
+    let mut board = open(&board_on(&near, ""), &at).unwrap().unwrap();
+    board.start(at.time.now()).unwrap();
+    let line = SerialSettings::default();
+    board.configure(at.time.now(), BusId(0), &line, line.frame_gap()).unwrap();
+    let refused = Err(BoardError::BadSettings(BusId(0)));
+    let other = SerialSettings { baud: 9_600, ..line };
+    assert_eq!(board.configure(at.time.now(), BusId(0), &other, line.frame_gap()), refused);
+    assert_eq!(board.configure(at.time.now(), BusId(0), &line, line.frame_gap() + line.frame_gap()), refused);
+}
+
 #[test]
 fn a_simulated_line_needs_joined_ends_of_its_kind() {
     let codes = |buses: &str| -> Vec<&str> {

@@ -8,7 +8,7 @@ use scanrig_drivers::{
     Board, BoardError, BoardEvent, BoardExt, Bus, BusEvent, BusId, BusSpec, Buses, Channel, ChannelId,
     Descriptions, Disturbance, Emission, Faulty, Health, LineApi, OutputClaim, PulseOutputs, SimulatedBoard,
 };
-use signal::{CanFrame, SerialOutput, Span, Time, Value};
+use signal::{CanFrame, SerialOutput, SerialSettings, Span, Time, Value};
 use std::fs::File;
 
 fn board() -> SimulatedBoard {
@@ -212,6 +212,16 @@ impl Buses for Capable {
 
     fn send_serial(&mut self, now: Time, bus: BusId, output: &SerialOutput) -> Result<(), BoardError> {
         Buses::send_serial(&mut self.0, now, bus, output)
+    }
+
+    fn configure(
+        &mut self,
+        now: Time,
+        bus: BusId,
+        settings: &SerialSettings,
+        message_gap: Span,
+    ) -> Result<(), BoardError> {
+        Buses::configure(&mut self.0, now, bus, settings, message_gap)
     }
 
     fn break_off(&mut self, now: Time, bus: BusId) -> Result<(), BoardError> {

@@ -4,7 +4,7 @@
 
 use std::fmt;
 
-use signal::{CanFrame, SerialOutput, Span, Time, When};
+use signal::{CanFrame, SerialOutput, SerialSettings, Span, Time, When};
 
 use super::BoardError;
 use crate::bus::{Bus, BusEvent, BusId};
@@ -31,6 +31,21 @@ pub trait Buses: fmt::Debug {
     /// As [`Buses::send`]; [`BoardError::BadFrame`] also for gaps between characters and flaws on lines that cannot make
     /// them, which are all real ones.
     fn send_serial(&mut self, now: Time, bus: BusId, output: &SerialOutput) -> Result<(), BoardError>;
+
+    /// Has an end of a serial line send and hear with other settings from `now` on, until the next start. What it is sending,
+    /// and what waits, goes out as it was; a message that it is in the middle of hearing is lost. `message_gap` is how long
+    /// the line is silent between two messages. The other ends keep theirs.
+    ///
+    /// # Errors
+    /// [`BoardError::BadSettings`] for what the line cannot do: on a real line all but the settings of the board file;
+    /// [`BoardError::NoBus`], [`BoardError::Latched`], [`BoardError::NotStarted`], [`BoardError::Backwards`].
+    fn configure(
+        &mut self,
+        now: Time,
+        bus: BusId,
+        settings: &SerialSettings,
+        message_gap: Span,
+    ) -> Result<(), BoardError>;
 
     /// Whoever sends on this bus lost its power: nothing more is sent, and on a modelled serial line what is under way ends in
     /// the middle of a character. A frame on a modelled CAN bus comes to its end, and so does what a real device has taken

@@ -98,6 +98,9 @@ pub enum BoardError {
     /// The frame does not fit the bus: too long, or CAN FD on a bus without it.
     #[error("bus {} cannot send this", .0.0)]
     BadFrame(BusId),
+    /// The bus cannot carry bytes in this way.
+    #[error("bus {} does not take these settings", .0.0)]
+    BadSettings(BusId),
     /// The queue of the bus is full: it takes no frame before others are on the bus.
     #[error("the queue of bus {} is full", .0.0)]
     BusFull(BusId),

@@ -1,6 +1,6 @@
 //! The capabilities of a board for callers who do not care whether it has them.
 
-use signal::{CanFrame, SerialOutput, Span, Time, When};
+use signal::{CanFrame, SerialOutput, SerialSettings, Span, Time, When};
 
 use super::{Board, BoardError};
 use crate::bus::{Bus, BusEvent, BusId};
@@ -39,6 +39,21 @@ pub trait BoardExt: Board {
     /// [`BoardError::NoBus`] without buses.
     fn send_serial(&mut self, now: Time, bus: BusId, output: &SerialOutput) -> Result<(), BoardError> {
         self.buses_mut().map_or(Err(BoardError::NoBus(bus)), |buses| buses.send_serial(now, bus, output))
+    }
+
+    /// As [`Buses::configure`](super::Buses::configure).
+    ///
+    /// # Errors
+    /// [`BoardError::NoBus`] without buses.
+    fn configure(
+        &mut self,
+        now: Time,
+        bus: BusId,
+        settings: &SerialSettings,
+        message_gap: Span,
+    ) -> Result<(), BoardError> {
+        let buses = self.buses_mut().ok_or(BoardError::NoBus(bus))?;
+        buses.configure(now, bus, settings, message_gap)
     }
 
     /// As [`Buses::break_off`](super::Buses::break_off).

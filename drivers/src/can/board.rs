@@ -3,7 +3,7 @@
 use document::Diagnostic;
 use host::HostInstant;
 use rustix::io::Errno;
-use signal::{CanFrame, SerialOutput, Span, Time, Value};
+use signal::{CanFrame, SerialOutput, SerialSettings, Span, Time, Value};
 
 use super::adapter::{Adapter, Interface};
 use super::configure::NotSetUp;
@@ -238,6 +238,18 @@ impl Buses for CanBoard {
         self.run.drive_at(now)?;
         let known = self.nodes.iter().any(|node| node.spec.bus == bus);
         Err(if known { BoardError::BadFrame(bus) } else { BoardError::NoBus(bus) })
+    }
+
+    fn configure(
+        &mut self,
+        now: Time,
+        bus: BusId,
+        _settings: &SerialSettings,
+        _message_gap: Span,
+    ) -> Result<(), BoardError> {
+        self.run.drive_at(now)?;
+        let known = self.nodes.iter().any(|node| node.spec.bus == bus);
+        Err(if known { BoardError::BadSettings(bus) } else { BoardError::NoBus(bus) })
     }
 
     fn break_off(&mut self, now: Time, bus: BusId) -> Result<(), BoardError> {

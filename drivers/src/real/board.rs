@@ -1,7 +1,7 @@
 //! The board of several devices.
 
 use document::Diagnostic;
-use signal::{CanFrame, SerialOutput, Time, Value};
+use signal::{CanFrame, SerialOutput, SerialSettings, Span, Time, Value};
 
 use super::{RealSpec, channels, relays};
 use crate::channel_table::ChannelTable;
@@ -220,6 +220,17 @@ impl Buses for RealBoard {
     fn send_serial(&mut self, now: Time, bus: BusId, output: &SerialOutput) -> Result<(), BoardError> {
         let part = self.carries.get(usize::from(bus.0)).copied().flatten().ok_or(BoardError::NoBus(bus))?;
         self.parts[usize::from(part)].send_serial(now, bus, output)
+    }
+
+    fn configure(
+        &mut self,
+        now: Time,
+        bus: BusId,
+        settings: &SerialSettings,
+        message_gap: Span,
+    ) -> Result<(), BoardError> {
+        let part = self.carries.get(usize::from(bus.0)).copied().flatten().ok_or(BoardError::NoBus(bus))?;
+        self.parts[usize::from(part)].configure(now, bus, settings, message_gap)
     }
 
     fn break_off(&mut self, now: Time, bus: BusId) -> Result<(), BoardError> {

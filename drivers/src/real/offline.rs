@@ -6,7 +6,7 @@ use crate::{
     Board, BoardError, BoardEvent, Bus, BusEvent, BusId, Buses, Channel, ChannelId, Fault, FaultInjection,
     Health,
 };
-use signal::{CanFrame, SerialOutput, Span, Time, Value, When};
+use signal::{CanFrame, SerialOutput, SerialSettings, Span, Time, Value, When};
 
 /// The channels and buses of real devices that nobody opened: what a plan is checked against on any machine. It never starts.
 /// The default one has none.
@@ -125,6 +125,16 @@ impl Buses for OfflineBoard {
     }
 
     fn send_serial(&mut self, _now: Time, _bus: BusId, _output: &SerialOutput) -> Result<(), BoardError> {
+        Err(BoardError::NotStarted)
+    }
+
+    fn configure(
+        &mut self,
+        _now: Time,
+        _bus: BusId,
+        _settings: &SerialSettings,
+        _message_gap: Span,
+    ) -> Result<(), BoardError> {
         Err(BoardError::NotStarted)
     }
 

@@ -3,7 +3,7 @@
 use document::Diagnostic;
 use host::HostInstant;
 use rustix::io::Errno;
-use signal::{CanFrame, SerialOutput, Time, Value};
+use signal::{CanFrame, SerialOutput, SerialSettings, Span, Time, Value};
 
 use super::SerialSpec;
 use super::handle::SerialHandle;
@@ -151,6 +151,19 @@ impl Buses for SerialBoard {
         self.run.drive_at(now)?;
         let line = self.lines.iter_mut().find(|line| line.bus == bus).ok_or(BoardError::NoBus(bus))?;
         line.send(output)
+    }
+
+    fn configure(
+        &mut self,
+        now: Time,
+        bus: BusId,
+        settings: &SerialSettings,
+        message_gap: Span,
+    ) -> Result<(), BoardError> {
+        self.run.drive_at(now)?;
+        let line = self.lines.iter().find(|line| line.bus == bus).ok_or(BoardError::NoBus(bus))?;
+        // Its board file says what the port was found to be able to do.
+        if line.has(settings, message_gap) { Ok(()) } else { Err(BoardError::BadSettings(bus)) }
     }
 
     fn break_off(&mut self, now: Time, bus: BusId) -> Result<(), BoardError> {

@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 use document::Diagnostic;
 use host::{HostInstant, TimeBase};
 use rtrb::{Consumer, Producer, RingBuffer};
-use signal::{SerialOutput, Time, When};
+use signal::{SerialOutput, SerialSettings, Span, Time, When};
 use tokio::runtime::Builder;
 
 use super::assembler::MessageTiming;
@@ -29,6 +29,8 @@ pub(super) struct SerialHandle {
     pub(super) bus: BusId,
     /// Its port, as messages name it.
     pub(super) device: String,
+    settings: SerialSettings,
+    message_gap: Span,
     shared: Arc<SharedPort>,
     orders: Producer<SerialOrder>,
     reports: Consumer<SerialReport>,
@@ -79,6 +81,8 @@ impl SerialHandle {
         Ok(SerialHandle {
             bus: spec.bus,
             device: path.display().to_string(),
+            settings: spec.port.line,
+            message_gap: spec.message_gap,
             shared,
             orders,
             reports,
@@ -142,6 +146,11 @@ impl SerialHandle {
             self.thread.wait(due);
         }
         true
+    }
+
+    /// Whether it carries bytes so.
+    pub(super) fn has(&self, settings: &SerialSettings, message_gap: Span) -> bool {
+        (&self.settings, self.message_gap) == (settings, message_gap)
     }
 
     /// Hands an output to the thread.

@@ -3,7 +3,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use signal::{CanFrame, SerialOutput, Span, Time, Value, When};
+use signal::{CanFrame, SerialOutput, SerialSettings, Span, Time, Value, When};
 
 use super::buses::SimulatedBuses;
 use super::checks;
@@ -529,6 +529,19 @@ impl board::Buses for SimulatedBoard {
             return Err(BoardError::NotStarted);
         }
         self.buses.send_serial(now, bus, output)
+    }
+
+    fn configure(
+        &mut self,
+        now: Time,
+        bus: BusId,
+        settings: &SerialSettings,
+        message_gap: Span,
+    ) -> Result<(), BoardError> {
+        if !self.started {
+            return Err(BoardError::NotStarted);
+        }
+        self.buses.configure(now, bus, settings, message_gap)
     }
 
     fn break_off(&mut self, now: Time, bus: BusId) -> Result<(), BoardError> {

@@ -1,6 +1,6 @@
 //! The buses of a simulated board: CAN buses and serial lines, each in its own time.
 
-use signal::{CanFrame, SerialOutput, Span, Time};
+use signal::{CanFrame, SerialOutput, SerialSettings, Span, Time};
 
 use super::can::CanWires;
 use super::serial::SerialLines;
@@ -73,6 +73,23 @@ impl SimulatedBuses {
         match self.kind(bus)? {
             BusKind::Serial { .. } => self.serial.send(now, bus, output),
             BusKind::Can { .. } => Err(BoardError::BadFrame(bus)),
+        }
+    }
+
+    /// Other settings of an end of a serial line.
+    ///
+    /// # Errors
+    /// As [`SerialLines::configure`]; [`BoardError::BadSettings`] of a CAN bus.
+    pub fn configure(
+        &mut self,
+        now: Time,
+        bus: BusId,
+        settings: &SerialSettings,
+        message_gap: Span,
+    ) -> Result<(), BoardError> {
+        match self.kind(bus)? {
+            BusKind::Serial { .. } => self.serial.configure(now, bus, settings, message_gap),
+            BusKind::Can { .. } => Err(BoardError::BadSettings(bus)),
         }
     }
 

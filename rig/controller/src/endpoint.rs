@@ -7,7 +7,9 @@
 
 use crate::register_access::RegisterAccess;
 use crate::state::State;
-use signal::{BusError, BusState, CanFrame, MAX_SERIAL_DATA, SerialMessage, Span, Time, When};
+use signal::{
+    BusError, BusState, CanFrame, MAX_SERIAL_DATA, SerialMessage, SerialSettings, Span, Time, When,
+};
 use std::collections::VecDeque;
 use std::fmt;
 
@@ -106,6 +108,14 @@ pub enum PortMessage {
     Serial(SerialBytes),
     /// A frame for a CAN bus.
     Can(CanFrame),
+    /// The port carries bytes in this way from then on, for what comes after it in the outbox and for what it hears. Neither
+    /// [`PortEvent::Sent`] nor [`PortEvent::NotSent`] reports it; a line that cannot do it is a fault of the rig.
+    Settings {
+        /// Speed, data bits, parity, stop bits.
+        line: SerialSettings,
+        /// How long the line is silent between two messages, above 0.
+        message_gap: Span,
+    },
 }
 
 impl PortMessage {

@@ -188,7 +188,7 @@ impl Ports {
     pub(crate) fn take(&mut self, port: usize) -> Option<PortMessage> {
         let port = self.list.get_mut(port)?;
         let message = port.outbox.take()?;
-        port.status.sent += 1;
+        port.status.sent += u64::from(!matches!(message, PortMessage::Settings { .. }));
         Some(message)
     }
 

@@ -3,6 +3,7 @@
 
 mod events;
 mod real;
+mod settings;
 
 use crate::allocation::Noting;
 use crate::texts::{Parted, Texts};
@@ -236,6 +237,16 @@ impl Buses for WithPartners {
     fn send_serial(&mut self, now: Time, bus: BusId, output: &SerialOutput) -> Result<(), BoardError> {
         self.board.send_serial(now, bus, output)
     }
+    fn configure(
+        &mut self,
+        now: Time,
+        bus: BusId,
+        settings: &SerialSettings,
+        message_gap: Span,
+    ) -> Result<(), BoardError> {
+        self.board.configure(now, bus, settings, message_gap)
+    }
+
     fn break_off(&mut self, now: Time, bus: BusId) -> Result<(), BoardError> {
         self.board.break_off(now, bus)
     }

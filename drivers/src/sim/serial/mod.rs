@@ -12,7 +12,7 @@ mod tests;
 
 use output::{Output, Transmission};
 use receiver::{Levels, Receiver};
-use signal::{SerialMessage, SerialOutput, Time, When};
+use signal::{SerialMessage, SerialOutput, SerialSettings, Span, Time, When};
 
 use crate::circuit::{SerialEnd, SerialMedium};
 use crate::{BoardError, BusEvent, BusId};
@@ -26,6 +26,8 @@ struct End {
     bus: BusId,
     line: usize,
     spec: SerialEnd,
+    /// How it sends now; the receiver has its own.
+    settings: SerialSettings,
     output: Output,
     receiver: Receiver,
     /// When its next message is over unless somebody sends.
@@ -113,7 +115,8 @@ impl SerialLines {
         self.lines = self.lines.max(line + 1);
         let receiver = Receiver::new(spec.settings, spec.message_gap);
         let output = Output::with_room(MAX_SERIAL_QUEUED);
-        self.ends.push(End { bus, line, spec, output, receiver, next: None });
+        let settings = spec.settings;
+        self.ends.push(End { bus, line, spec, settings, output, receiver, next: None });
     }
 
     /// Forgets what was before.
@@ -121,7 +124,8 @@ impl SerialLines {
         self.latched = false;
         for end in &mut self.ends {
             end.output.clear();
-            end.receiver.restart();
+            end.settings = end.spec.settings;
+            end.receiver = Receiver::new(end.settings, end.spec.message_gap);
             end.next = None;
         }
     }
@@ -149,6 +153,35 @@ impl SerialLines {
         }
     }
 
+    /// This end sends and hears with other settings from now on. What it sends already goes out as it was.
+    ///
+    /// # Errors
+    /// [`BoardError::NoBus`], [`BoardError::Latched`], [`BoardError::BadSettings`].
+    pub fn configure(
+        &mut self,
+        now: Time,
+        bus: BusId,
+        settings: &SerialSettings,
+        message_gap: Span,
+    ) -> Result<(), BoardError> {
+        let place = self.ends.iter().position(|end| end.bus == bus).ok_or(BoardError::NoBus(bus))?;
+        if self.latched {
+            return Err(BoardError::Latched);
+        }
+        let possible = settings.baud > 0
+            && (5..=8).contains(&settings.data_bits)
+            && (1..=2).contains(&settings.stop_bits)
+            && message_gap > Span::ZERO;
+        if !possible {
+            return Err(BoardError::BadSettings(bus));
+        }
+        self.forget(now);
+        self.ends[place].settings = *settings;
+        self.ends[place].receiver.change(now, *settings, message_gap);
+        self.predict(place);
+        Ok(())
+    }
+
     /// Sends from this end, after what it sends already.
     ///
     /// # Errors
@@ -161,7 +194,7 @@ impl SerialLines {
         self.forget(now);
         let end = &mut self.ends[place];
         let start = end.output.free().map_or(now, |free| free.max(now));
-        let transmission = Transmission::new(start, end.spec.settings, output);
+        let transmission = Transmission::new(start, end.settings, output);
         let transmission = transmission.ok_or(BoardError::BadFrame(bus))?;
         if end.output.len() >= MAX_SERIAL_QUEUED {
             return Err(BoardError::BusFull(bus));

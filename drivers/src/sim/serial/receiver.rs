@@ -36,6 +36,8 @@ pub(super) struct Receiver {
     message: Option<SerialMessage>,
     /// Since when the line is silent after what was received.
     silent: i64,
+    /// Other settings, with their message gap, from an instant on.
+    change: Option<(i64, SerialSettings, i64)>,
 }
 
 /// What a receiver took for a character.
@@ -51,12 +53,20 @@ impl Receiver {
     /// A receiver whose line was always at rest. A message ends when it is at rest for `gap`, above 0.
     pub(super) fn new(settings: SerialSettings, gap: Span) -> Receiver {
         let gap = gap.as_nanos().max(1);
-        Receiver { settings, gap, state: State::Idle(i64::MIN), message: None, silent: i64::MIN }
+        Receiver {
+            settings,
+            gap,
+            state: State::Idle(i64::MIN),
+            message: None,
+            silent: i64::MIN,
+            change: None,
+        }
     }
 
-    /// Goes on from this instant, with the line at rest until then.
-    pub(super) fn restart(&mut self) {
-        *self = Receiver::new(self.settings, Span::from_nanos(self.gap));
+    /// Goes on with other settings from `now` on: a character that is under way then is taken for what it is not, and the
+    /// message under way is lost.
+    pub(super) fn change(&mut self, now: Time, settings: SerialSettings, gap: Span) {
+        self.change = Some((now.as_nanos(), settings, gap.as_nanos().max(1)));
     }
 
     /// Before this instant it needs no levels any more.
@@ -79,6 +89,18 @@ impl Receiver {
     /// Goes on with the levels of all cells before `until`, up to the next message: it, and when that was over.
     pub(super) fn run(&mut self, levels: &impl Levels, until: Time) -> Option<(Time, SerialMessage)> {
         let until = until.as_nanos();
+        if let Some((at, settings, gap)) = self.change.filter(|(at, ..)| *at <= until) {
+            // What is over by then was heard as before.
+            if let Some(message) = self.run_unchanged(levels, at) {
+                return Some(message);
+            }
+            *self =
+                Receiver { settings, gap, state: State::Idle(at), message: None, silent: at, change: None };
+        }
+        self.run_unchanged(levels, until)
+    }
+
+    fn run_unchanged(&mut self, levels: &impl Levels, until: i64) -> Option<(Time, SerialMessage)> {
         loop {
             let since = match self.state {
                 State::Idle(since) => since,

@@ -117,7 +117,7 @@ impl Executor<'_> {
         self.apply()
     }
 
-    /// A port sends a message now.
+    /// A port sends a message now, or gets other settings.
     pub(super) fn send_from_port(&mut self, at: Time, port: usize) {
         let Some(message) = self.parts.subject.ports().and_then(|ports| ports.take_output(port)) else {
             return;
@@ -126,6 +126,9 @@ impl Executor<'_> {
         let now = self.board_time();
         let sent = match (&message, &mut self.ports.output) {
             (PortMessage::Can(frame), _) => self.parts.board.send(now, bus, frame),
+            (PortMessage::Settings { line, message_gap }, _) => {
+                self.parts.board.configure(now, bus, line, *message_gap)
+            }
             (PortMessage::Serial(bytes), SerialOutput::Characters { data, .. }) => {
                 data.clear();
                 data.extend_from_slice(bytes.data());
@@ -136,7 +139,9 @@ impl Executor<'_> {
         if let Err(error) = sent {
             let bus = self.port_bus(port).map_or_else(String::new, |known| known.name.clone());
             self.report.fault.get_or_insert(RigFault::PortNotSent { at, bus, error });
-            self.put_to_port(at, port, PortEvent::NotSent);
+            if !matches!(message, PortMessage::Settings { .. }) {
+                self.put_to_port(at, port, PortEvent::NotSent);
+            }
         }
     }
 
