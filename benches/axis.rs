@@ -54,7 +54,7 @@ impl Block {
 }
 
 /// Seconds of processor time so far, so that other work on the machine does not count; of real time where the kernel does
-/// not tell.
+/// not report.
 fn seconds(begin: Instant) -> f64 {
     let told = std::fs::read_to_string("/proc/self/schedstat").ok();
     let nanos = told.and_then(|text| text.split_ascii_whitespace().next()?.parse::<f64>().ok());

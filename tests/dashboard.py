@@ -58,7 +58,7 @@ class Terminal:
                 check(what, True)
                 return text
             time.sleep(0.05)
-        # Nothing behind it would mean anything.
+        # Nothing after it would mean anything.
         check(what, False, f"not so on the screen:\n{text}")
         finish()
 

@@ -194,7 +194,7 @@ def read_waves(path, case):
             low, high = step["at_ns"]
             check(f"{label}: step {step['id']}", any(low <= at <= high for at in seen), f"{seen} {step['at_ns']}")
     times = [at for signal in signals.values() for at, _ in signal.tv]
-    check(f"{label}: nothing behind the end", max(times) <= case["duration_ns"], max(times))
+    check(f"{label}: nothing after the end", max(times) <= case["duration_ns"], max(times))
     # The edges that the record's excerpts show are in the waves, each at its instant and with its value.
     for lane in case["lanes"]:
         signal = signals.get(plain(lane["signal"]))

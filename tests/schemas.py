@@ -24,7 +24,7 @@ from tally import check, finish
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
-# What the tables of keys decide. All else hangs on other keys, other files or the rules of the language.
+# What the tables of keys decide. All else depends on other keys, other files or the rules of the language.
 FORM = {
     "P0101": "unknown key",
     "P0102": "missing key",

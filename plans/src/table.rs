@@ -6,7 +6,7 @@
 //! 12.5,3.3,TRUE
 //! 20,,Z
 //! ```
-//! Fields are parted by commas, semicolons or tabs: whichever the header has. Behind semicolons a number may have a
+//! Fields are parted by commas, semicolons or tabs: whichever the header has. After semicolons a number may have a
 //! decimal comma. An empty field leaves what it stands for as it is. Lines that are empty or begin with `#` do not count.
 
 use document::{Data, Diagnostic, Node, SourceFile};

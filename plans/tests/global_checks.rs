@@ -66,7 +66,7 @@ fn a_suite_adds_its_claims_with_their_places() {
 }
 
 #[test]
-fn one_name_for_two_things_is_told_apart() {
+fn one_name_for_two_things_is_distinguished() {
     let mut case = plan("signals = { lamp = \"%QX0.7\" }\nexpect = [{ rises = { signal = \"lamp\" } }]");
     let invariant = "invariants = [{ never = { signal = \"lamp\" } }]";
     suite("suite.toml", &format!("signals = {{ lamp = \"%QX0.4\" }}\n{invariant}"))

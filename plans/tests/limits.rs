@@ -47,7 +47,7 @@ fn sizes_are_bounded() {
     assert_eq!(refused(format!("{HEAD}{train}{CLAIM}")), "P0104");
 }
 
-// A chain of steps, each hanging on the one before, must neither recurse deeply nor take quadratic time.
+// A chain of steps, each depending on the one before, must neither recurse deeply nor take quadratic time.
 #[test]
 fn a_long_chain_of_steps_reads() {
     let mut text = format!("{HEAD}{CLAIM}steps = [{{ id = \"s0\", at = \"start\", mark = {{}} }},\n");

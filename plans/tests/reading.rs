@@ -196,14 +196,14 @@ fn a_refusal_belongs_to_its_rows() {
 
 #[test]
 fn a_refusal_is_one_of_code_text_and_count() {
-    let text = "format = 1\nprogram = \"a.st\"\nrefused = { code = \"R0112\", says = [\"last\", \"mend\"], errors = 2 }\n";
+    let text = "format = 1\nprogram = \"a.st\"\nrefused = { code = \"R0112\", says = [\"last\", \"fix\"], errors = 2 }\n";
     let file = SourceFile::new("a.toml", text);
     let refusal = plans::read(&file, &[], 1).unwrap().case(0).unwrap().refusal.unwrap();
     let error = |code, message: &str| document::Diagnostic::error(code, message);
-    let (one, two) = (error("R0112", "the last one"), error("R0112", "no").help("mend it"));
+    let (one, two) = (error("R0112", "the last one"), error("R0112", "no").help("fix it"));
     assert!(refusal.judge(&[one.clone(), two.clone()]).is_ok());
     let wrong = |found: &[document::Diagnostic]| refusal.judge(found).unwrap_err();
-    assert!(wrong(&[one.clone(), one.clone()]).contains("no finding says `mend`"));
+    assert!(wrong(&[one.clone(), one.clone()]).contains("no finding says `fix`"));
     assert!(wrong(&[one.clone(), two.clone(), two.clone()]).contains("3 findings in place of 2"));
     assert!(wrong(&[one, two, error("R0113", "else")]).contains("refused otherwise: R0113"));
     assert!(wrong(&[document::Diagnostic::warning("R0112", "the last one")]).contains("nothing"));

@@ -14,7 +14,7 @@ fn warnings(text: &str) -> Vec<String> {
 }
 
 #[test]
-fn a_name_that_no_row_uses_is_told() {
+fn a_name_that_no_row_uses_is_reported() {
     let rows = "expect = [
   { rows = [\"one\"], rises = { signal = \"lamp\" } },
   { rows = [\"two\"], rises = { signal = \"horn\" } },
@@ -35,7 +35,7 @@ alarms = [{ name = \"spare\", when = { signal = \"spare\", is = true } }]
 }
 
 #[test]
-fn a_step_that_the_end_cuts_off_is_told() {
+fn a_step_that_the_end_cuts_off_is_reported() {
     let plan = |ends: &str| {
         format!(
             "signals = {{ button = \"%IX0.0\" }}
@@ -53,7 +53,7 @@ expect = [{{ state = {{ stays = \"RUNNING\" }} }}]
 }
 
 #[test]
-fn a_claim_that_counts_on_a_watchdog_that_is_off_is_told() {
+fn a_claim_that_counts_on_a_watchdog_that_is_off_is_reported() {
     let plan = |enabled: bool, claim: &str| {
         format!(
             "ends = \"start + 10 s\"
@@ -69,13 +69,13 @@ expect = [{{ value = {{ of = \"tripped\", max = 1 }} }}, {claim}]
     assert!(warnings(&plan(true, halts)).is_empty());
     assert_eq!(warnings(&plan(false, "{ value = { of = \"tripped\", is = 1 } }")), ["P0625 7"]);
     assert!(warnings(&plan(false, "{ value = { of = \"tripped\", is = 0 } }")).is_empty());
-    // Behind three seconds the system watchdog may be it.
+    // After three seconds the system watchdog may be it.
     let late = "{ state = { becomes = \"HALT\", from = \"busy\", within = \"3 s .. 3.1 s\" } }";
     assert!(warnings(&plan(false, late)).is_empty());
 }
 
 #[test]
-fn limits_closer_than_a_channel_samples_are_told() {
+fn limits_closer_than_a_channel_samples_are_reported() {
     let blind = |within: &str, sampling: Sampling| {
         let text = format!(
             "format = 1\nprogram = \"a.st\"\nends = \"start + 10 s\"\nexpect = [{{ rises = {{ signal = \"lamp\", within = \"{within}\" }} }}]\n"

@@ -1,4 +1,4 @@
-//! Builds the command anew when a file of the shipped library or a page of a code comes, changes or goes: the compiler
+//! Builds the command again when a file of the shipped library or a page of a code comes, changes or goes: the compiler
 //! sees only those that were there when the folder was read.
 
 fn main() {

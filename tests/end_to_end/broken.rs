@@ -55,8 +55,8 @@ fn expected(text: &str) -> Vec<String> {
 }
 
 /// Codes and places that a check reported: `error[P0101]: ...` and the first ` --> path:2:1` after it.
-fn told(output: &str) -> Vec<String> {
-    let mut told = Vec::new();
+fn reported(output: &str) -> Vec<String> {
+    let mut reported = Vec::new();
     let mut code = None;
     for line in output.lines() {
         if let Some(rest) = line.strip_prefix("error[").or_else(|| line.strip_prefix("warning[")) {
@@ -66,11 +66,11 @@ fn told(output: &str) -> Vec<String> {
         {
             let mut parts = place.rsplitn(3, ':');
             let (column, line) = (parts.next().unwrap(), parts.next().unwrap());
-            told.push(format!("{code} {line}:{column}"));
+            reported.push(format!("{code} {line}:{column}"));
         }
     }
-    told.sort();
-    told
+    reported.sort();
+    reported
 }
 
 #[test]
@@ -83,18 +83,19 @@ fn broken_files_are_refused_at_their_places() {
         let text = std::fs::read_to_string(root().join(path)).unwrap();
         let mut expected = expected(&text);
         let ran = run(check(path));
-        let mut told = told(&ran.err);
+        let mut reported = reported(&ran.err);
         if let Some((_, invented)) = OF_INVENTED_TERMINALS.iter().find(|(file, _)| *file == name) {
             expected.retain(|one| one != invented);
-            told.retain(|one| expected.contains(one));
+            reported.retain(|one| expected.contains(one));
         }
         if ANYWHERE.contains(&name) {
-            for place in expected.iter_mut().chain(&mut told) {
+            for place in expected.iter_mut().chain(&mut reported) {
                 place.truncate("B0404".len());
             }
         }
-        if ran.code != Some(2) || told != expected || told.is_empty() || !ran.out.is_empty() {
-            wrong += &format!("{path}: exit {:?}\n  expects {expected:?}\n  told of {told:?}\n", ran.code);
+        if ran.code != Some(2) || reported != expected || reported.is_empty() || !ran.out.is_empty() {
+            wrong +=
+                &format!("{path}: exit {:?}\n  expects {expected:?}\n  reported of {reported:?}\n", ran.code);
         }
         // Every finding has a message; most have a fix.
         assert!(!ran.err.contains("]: \n"), "{path}: {}", ran.err);
@@ -104,7 +105,7 @@ fn broken_files_are_refused_at_their_places() {
 
 #[test]
 fn broken_files_take_neither_time_nor_memory() {
-    // In a process of its own: the kernel tells a process the peak of all of its children, not of one. The figure
+    // In a process of its own: the kernel reports to a process the peak of all of its children, not of one. The figure
     // includes what the child takes over from its parent between fork and exec, so the check itself takes less.
     let output = Command::new(std::env::current_exe().unwrap())
         .args(["--exact", "broken::measure", "--ignored", "--nocapture", "--test-threads", "1"])

@@ -96,13 +96,13 @@ fn what_is_awaited_and_does_not_come_is_a_failure() {
 }
 
 #[test]
-fn every_change_is_told_in_led_time() {
+fn every_change_is_reported_in_led_time() {
     let (_bench, stepped) = rig();
     let before: i64 = stepped.expect(0, &["read", "--plain", "MAIN.count"]).out.trim().parse().unwrap();
-    let told = stepped.expect(0, &["watch", "MAIN.count", "--csv", "--all", "--advance", "10s"]);
-    assert_eq!(told.err, "");
+    let reported = stepped.expect(0, &["watch", "MAIN.count", "--csv", "--all", "--advance", "10s"]);
+    assert_eq!(reported.err, "");
     let counts: Vec<i64> =
-        told.out.lines().skip(1).map(|line| line.rsplit(',').next().unwrap().parse().unwrap()).collect();
+        reported.out.lines().skip(1).map(|line| line.rsplit(',').next().unwrap().parse().unwrap()).collect();
     let all: Vec<i64> = (before..before + counts.len() as i64).collect();
     assert_eq!(counts, all);
     // The task runs each 20 ms; which of its cycles end within is up to the phase.
@@ -170,7 +170,7 @@ fn raw_lines_are_answered_one_by_one() {
 }
 
 #[test]
-fn json_is_what_the_rig_tells() {
+fn json_is_what_the_rig_reports() {
     let (_bench, stepped) = rig();
     let json =
         |args: &[&str]| serde_json::from_str::<serde_json::Value>(&stepped.expect(0, args).out).unwrap();
@@ -253,12 +253,13 @@ fn a_plan_has_the_course_and_the_exit_of_a_test() {
     let (bench, stepped) = rig();
     bench.write_lamp("slow.toml", "500 ms .. 550 ms", "490 ms .. 499 ms");
     assert_eq!(stepped.expect(0, &["plans", "lamp.toml"]).out, "lamp\n");
-    let told = stepped.expect(0, &["plan", "lamp"]).out;
-    assert_eq!(told, "lamp (1 of 1)\n      1.000000 s  press  button := TRUE\npass: lamp\nall: pass\n");
-    let told = stepped.expect(1, &["plan", "slow"]).out;
+    let reported = stepped.expect(0, &["plan", "lamp"]).out;
+    assert_eq!(reported, "lamp (1 of 1)\n      1.000000 s  press  button := TRUE\npass: lamp\nall: pass\n");
+    let reported = stepped.expect(1, &["plan", "slow"]).out;
     assert!(
-        told.contains("  fail: `lamp` rises 490 ms .. 499 ms after press") && told.ends_with("all: fail\n"),
-        "{told}"
+        reported.contains("  fail: `lamp` rises 490 ms .. 499 ms after press")
+            && reported.ends_with("all: fail\n"),
+        "{reported}"
     );
     let json = stepped.expect(0, &["plan", "lamp", "--json"]).out;
     let events: Vec<serde_json::Value> =

@@ -66,12 +66,12 @@ fn verdict_and_trace_hash_come_again() {
         };
         // The same words as in the run: claims, margins, nearest miss, last writer.
         let judged = bench.expect(code, &["judge", plan, &format!("out/{trace}")]);
-        let told: Vec<&str> = judged.out.lines().collect();
-        assert!(told[0].ends_with(case["name"].as_str().unwrap()), "{}", judged.out);
+        let reported: Vec<&str> = judged.out.lines().collect();
+        assert!(reported[0].ends_with(case["name"].as_str().unwrap()), "{}", judged.out);
         if code != 0 {
             // All but the first line, in which the run numbers its cases.
-            for line in told[1..].iter().filter(|line| !line.starts_with("  trace ")) {
-                assert!(ran.out.contains(line), "`{line}` was not told by the run:\n{}", ran.out);
+            for line in reported[1..].iter().filter(|line| !line.starts_with("  trace ")) {
+                assert!(ran.out.contains(line), "`{line}` was not reported by the run:\n{}", ran.out);
             }
         }
         let hash = case["trace_sha256"].as_str().unwrap();

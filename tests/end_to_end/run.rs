@@ -28,7 +28,7 @@ fn bench() -> TestProject {
 }
 
 /// The lines without their instants, which follow the host's clock.
-fn told(out: &str) -> Vec<&str> {
+fn reported(out: &str) -> Vec<&str> {
     out.lines().map(|line| line.split_once(" s  ").unwrap().1.trim()).collect()
 }
 
@@ -38,7 +38,7 @@ const BOOT: [&str; 4] = ["ready", "BOOTING", "boot decision by row 15", "RUNNING
 fn a_program_runs_until_its_time_is_over() {
     let bench = bench();
     let ran = bench.expect(0, &["run", "--board", "bench.toml", "--program", "lamp.st", "--for", "2 s"]);
-    assert_eq!(told(&ran.out), BOOT);
+    assert_eq!(reported(&ran.out), BOOT);
     assert!(ran.err.contains("outputs safe"), "{}", ran.err);
     // 1.5 s of boot; MAST runs every 20 ms.
     assert!(ran.err.contains("MAST: 25 cycles"), "{}", ran.err);
@@ -49,7 +49,7 @@ fn a_first_boot_that_takes_no_time_leads_where_a_boot_leads() {
     let bench = bench();
     let args = ["run", "--board", "bench.toml", "--program", "lamp.st", "--booted", "--for", "500 ms"];
     let ran = bench.expect(0, &args);
-    assert_eq!(told(&ran.out), BOOT);
+    assert_eq!(reported(&ran.out), BOOT);
     let last = ran.out.lines().last().unwrap();
     assert!(last.trim_start().starts_with("0.00"), "{last}");
     assert!(ran.err.contains("MAST: 25 cycles"), "{}", ran.err);
@@ -59,9 +59,9 @@ fn a_first_boot_that_takes_no_time_leads_where_a_boot_leads() {
 fn a_case_lends_its_program_and_settings() {
     let bench = bench();
     let on_disk = bench.expect(0, &["run", "--board", "bench.toml", "--case", "lamp", "--for", "1.6 s"]);
-    assert_eq!(told(&on_disk.out), BOOT);
+    assert_eq!(reported(&on_disk.out), BOOT);
     let args = ["run", "--board", "bench.toml", "--case", "wires/run-stop[keep]", "--for", "1.6 s"];
-    assert!(told(&bench.expect(0, &args).out).contains(&"RUNNING"));
+    assert!(reported(&bench.expect(0, &args).out).contains(&"RUNNING"));
 }
 
 #[test]

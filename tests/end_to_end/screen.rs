@@ -67,7 +67,7 @@ impl DashboardTerminal {
     fn wait_for(&self, what: &str, mut is: impl FnMut(&DashboardTerminal) -> bool) {
         let until = Instant::now() + PATIENCE;
         while !is(self) {
-            assert!(Instant::now() < until, "{what} does not come; the screen was told {:?}", self.shown());
+            assert!(Instant::now() < until, "{what} does not come; the screen was sent {:?}", self.shown());
             std::thread::sleep(Duration::from_millis(10));
         }
     }
@@ -86,8 +86,8 @@ impl DashboardTerminal {
         flags.contains(LocalFlags::ICANON | LocalFlags::ECHO) && self.count(TAKEN) == self.count(GIVEN_BACK)
     }
 
-    fn count(&self, told: &str) -> usize {
-        self.shown().matches(told).count()
+    fn count(&self, reported: &str) -> usize {
+        self.shown().matches(reported).count()
     }
 
     fn is_stopped(&self) -> bool {

@@ -14,17 +14,17 @@ const PATIENCE: Duration = Duration::from_secs(60);
 const BOARD: &str = "format = 1\nboard = { kind = \"simulated\" }\n";
 
 /// The lines of the next message.
-fn told(manager: &UnixDatagram) -> Vec<String> {
+fn reported(manager: &UnixDatagram) -> Vec<String> {
     let mut room = [0; 4096];
-    let length = manager.recv(&mut room).expect("the rig tells something");
+    let length = manager.recv(&mut room).expect("the rig reports something");
     String::from_utf8_lossy(&room[..length]).lines().map(str::to_owned).collect()
 }
 
 /// Lines up to the first that is this one, and it.
-fn told_until(manager: &UnixDatagram, last: &str) -> Vec<String> {
+fn reported_until(manager: &UnixDatagram, last: &str) -> Vec<String> {
     let mut lines = Vec::new();
     while !lines.iter().any(|line| line == last) {
-        lines.extend(told(manager));
+        lines.extend(reported(manager));
     }
     lines
 }
@@ -42,26 +42,26 @@ fn stop(mut rig: Child) -> Option<i32> {
 }
 
 #[test]
-fn a_manager_is_told_when_the_controller_is_ready_that_it_goes_on_and_that_it_stops() {
+fn a_manager_is_notified_when_the_controller_is_ready_that_it_goes_on_and_that_it_stops() {
     let bench = TestProject::new();
     let path = bench.path("notify");
     let manager = UnixDatagram::bind(&path).unwrap();
     manager.set_read_timeout(Some(PATIENCE)).unwrap();
     let rig = start(&bench, path.to_str().unwrap(), "200000");
-    assert_eq!(told_until(&manager, "READY=1").last().map(String::as_str), Some("STATUS=ready"));
-    let lines = told_until(&manager, "STATUS=RUNNING");
+    assert_eq!(reported_until(&manager, "READY=1").last().map(String::as_str), Some("STATUS=ready"));
+    let lines = reported_until(&manager, "STATUS=RUNNING");
     assert!(lines.contains(&String::from("STATUS=BOOTING")), "{lines:?}");
     // It goes on for as long as the scan does, without anything else to be sent.
     for _ in 0..5 {
-        assert_eq!(told(&manager), ["WATCHDOG=1"]);
+        assert_eq!(reported(&manager), ["WATCHDOG=1"]);
     }
     assert_eq!(stop(rig), Some(0));
-    let lines = told_until(&manager, "STOPPING=1");
+    let lines = reported_until(&manager, "STOPPING=1");
     assert!(!lines.contains(&String::from("READY=1")), "{lines:?}");
     manager.set_nonblocking(true).unwrap();
     let mut rest = [0; 4096];
     while let Ok(length) = manager.recv(&mut rest) {
-        assert_eq!(&rest[..length], b"WATCHDOG=1", "behind the end");
+        assert_eq!(&rest[..length], b"WATCHDOG=1", "after the end");
     }
 }
 
@@ -72,9 +72,9 @@ fn a_manager_may_listen_at_an_abstract_name_and_want_no_sign_of_life() {
     let manager = UnixDatagram::bind_addr(&SocketAddr::from_abstract_name(&name).unwrap()).unwrap();
     manager.set_read_timeout(Some(PATIENCE)).unwrap();
     let rig = start(&bench, &format!("@{name}"), "0");
-    let lines = told_until(&manager, "STATUS=RUNNING");
+    let lines = reported_until(&manager, "STATUS=RUNNING");
     assert_eq!(stop(rig), Some(0));
-    let lines: Vec<String> = lines.into_iter().chain(told_until(&manager, "STOPPING=1")).collect();
+    let lines: Vec<String> = lines.into_iter().chain(reported_until(&manager, "STOPPING=1")).collect();
     let said = |line: &str| lines.iter().filter(|said| *said == line).count();
     assert_eq!((said("READY=1"), said("STOPPING=1"), said("WATCHDOG=1")), (1, 1, 0), "{lines:?}");
 }

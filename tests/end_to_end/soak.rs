@@ -115,7 +115,7 @@ fn plan(stepped: &SteppedRig) {
     let began = Instant::now();
     let verdict = loop {
         assert!(began.elapsed() < PATIENCE, "the plan does not end");
-        if let Some(Event::Plan { told: PlanEvent::Over { verdict, .. }, .. }) =
+        if let Some(Event::Plan { event: PlanEvent::Over { verdict, .. }, .. }) =
             client.next(PATIENCE).unwrap()
         {
             break verdict;
@@ -170,11 +170,11 @@ fn round(stepped: &SteppedRig, leader: &mut Client, deaf_ones: &mut Vec<UnixStre
     }
     let read: Values = leader.ask(Operation::Read { names: vec!["MAIN.preset".to_owned()] }).unwrap();
     assert_eq!(read.values, [WireValue(Value::Int(round.into()))]);
-    let mut told = 0;
+    let mut reported = 0;
     while let Some(event) = leader.next(Duration::ZERO).unwrap() {
-        told += u32::from(matches!(event, Event::Status { .. }));
+        reported += u32::from(matches!(event, Event::Status { .. }));
     }
-    assert!(told > 0, "round {round} told nothing of the status");
+    assert!(reported > 0, "round {round} reported nothing of the status");
 }
 
 #[test]

@@ -158,21 +158,22 @@ fn events(out: &str) -> Vec<Json> {
 }
 
 /// Whether an event has all that the record has, which leaves out what says nothing.
-fn tells(told: &Json, kept: &Json) -> bool {
-    match (told, kept) {
+fn covers(reported: &Json, kept: &Json) -> bool {
+    match (reported, kept) {
         (_, Json::Null) => true,
-        (Json::Object(told), Json::Object(kept)) => {
-            kept.iter().all(|(key, value)| told.get(key).is_some_and(|told| tells(told, value)))
+        (Json::Object(reported), Json::Object(kept)) => {
+            kept.iter().all(|(key, value)| reported.get(key).is_some_and(|reported| covers(reported, value)))
         }
-        (Json::Array(told), Json::Array(kept)) => {
-            told.len() == kept.len() && told.iter().zip(kept).all(|(told, kept)| tells(told, kept))
+        (Json::Array(reported), Json::Array(kept)) => {
+            reported.len() == kept.len()
+                && reported.iter().zip(kept).all(|(reported, kept)| covers(reported, kept))
         }
-        (told, kept) => told == kept,
+        (reported, kept) => reported == kept,
     }
 }
 
 #[test]
-fn events_tell_the_whole_run() {
+fn events_report_the_whole_run() {
     let bench = three();
     let ran = bench.expect(1, &with(&["--format", "json", "--report", "out", "--jobs", "2"]));
     assert_eq!(ran.err, "");
@@ -193,10 +194,10 @@ fn events_tell_the_whole_run() {
     // The same facts as in the record.
     let record = bench.json("out/record.json");
     for place in 0..3 {
-        let (told, kept) = (&events[at("case-finished", place + 1)], &record["cases"][place as usize]);
+        let (reported, kept) = (&events[at("case-finished", place + 1)], &record["cases"][place as usize]);
         for member in ["verdict", "reason", "claims", "measurements", "trace_sha256", "trace_file", "host_ms"]
         {
-            assert!(tells(&told[member], &kept[member]), "{member}: {told} {kept}");
+            assert!(covers(&reported[member], &kept[member]), "{member}: {reported} {kept}");
         }
     }
     let last = &events[events.len() - 1];

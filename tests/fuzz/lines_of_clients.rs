@@ -4,7 +4,7 @@ use control::{Clock, Description, Fault, Greeting, PROTOCOL, Request, Signal as 
 use services::control::{Answer, Hub, Order, Peer, Rig, RigEvent, Settings, Ticket, decode};
 use signal::{Span, Time, Value, When};
 
-/// A rig that has every signal, and does what it is told.
+/// A rig that has every signal, and does what it is asked.
 #[derive(Default)]
 struct Willing {
     answers: Vec<(Ticket, Answer)>,
@@ -65,9 +65,9 @@ impl Rig for Willing {
         Ok(())
     }
 
-    fn poll(&mut self, told: &mut dyn FnMut(RigEvent)) {
+    fn poll(&mut self, reported: &mut dyn FnMut(RigEvent)) {
         for (ticket, answer) in self.answers.drain(..) {
-            told(RigEvent::Answer(ticket, Ok(answer)));
+            reported(RigEvent::Answer(ticket, Ok(answer)));
         }
     }
 }
@@ -85,13 +85,13 @@ pub fn control(data: &[u8]) {
     }
     let mut hub = Hub::new(Box::new(Willing::default()), Settings::of("unused".into()), Box::new(|_| {}));
     let Ok(client) = hub.connect(Peer::default(), Time::ZERO) else { panic!("there is room") };
-    let (mut now, mut told) = (Time::ZERO, Vec::new());
+    let (mut now, mut reported) = (Time::ZERO, Vec::new());
     let mut settle = |hub: &mut Hub| {
         while !hub.wants_input(client) && !hub.is_done(client) {
             now += Span::from_millis(1);
             while hub.work(client, now) {}
             hub.turn(now);
-            told.extend_from_slice(hub.output(client));
+            reported.extend_from_slice(hub.output(client));
             hub.sent(client, hub.output(client).len(), now);
         }
     };
@@ -105,7 +105,7 @@ pub fn control(data: &[u8]) {
     hub.disconnect(client, Time::MAX);
     let mut answers = 0;
     let mut left = false;
-    for line in String::from_utf8(told).expect("text").lines() {
+    for line in String::from_utf8(reported).expect("text").lines() {
         let value: serde_json::Value = serde_json::from_str(line).expect("JSON");
         answers += usize::from(value.get("id").is_some());
         left |= value.get("error").is_some_and(|error| error["code"] == "R0624");

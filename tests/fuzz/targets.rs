@@ -122,7 +122,7 @@ pub fn board(data: &[u8]) {
     }
 }
 
-/// Descriptions of the samples of a device, a line each, and behind a byte 0 what came out of its buffer.
+/// Descriptions of the samples of a device, a line each, and after a byte 0 what came out of its buffer.
 pub fn iio(data: &[u8]) {
     let text = data.iter().position(|byte| *byte == 0).unwrap_or(data.len());
     let (text, bytes) = data.split_at(text);
@@ -164,10 +164,10 @@ pub fn program(data: &[u8]) {
     }
 }
 
-/// A trace: the bytes as a file, as a file whose checksums are mended, and as the recipe of a trace.
+/// A trace: the bytes as a file, as a file whose checksums are corrected, and as the recipe of a trace.
 pub fn trace(data: &[u8]) {
     let limits = LoadLimits { bytes: 16 << 20 };
-    for bytes in [data, &mended(data)] {
+    for bytes in [data, &with_right_checksums(data)] {
         if let Ok(trace) = Trace::load(&mut &bytes[..], limits) {
             whole(&trace);
         }
@@ -189,8 +189,8 @@ fn whole(trace: &Trace) {
     }
 }
 
-/// The same file with right checksums, so that what stands behind them is reached.
-fn mended(data: &[u8]) -> Vec<u8> {
+/// The same file with right checksums, so that what stands after them is reached.
+fn with_right_checksums(data: &[u8]) -> Vec<u8> {
     let mut file = data.to_vec();
     let mut at = 10;
     while let Some(head) = file.get(at..at + 9) {
@@ -303,7 +303,7 @@ pub fn record(data: &[u8]) {
     let _ = reports::html::render(&run);
 }
 
-/// A DBC file, and behind a byte of 0 the data of frames that carry its values; the data of frames as plans write them.
+/// A DBC file, and after a byte of 0 the data of frames that carry its values; the data of frames as plans write them.
 pub fn frames(data: &[u8]) {
     let end = data.iter().position(|byte| *byte == 0).unwrap_or(data.len());
     let (text, bytes) = (String::from_utf8_lossy(&data[..end]), &data[(end + 1).min(data.len())..]);
@@ -355,7 +355,7 @@ pub fn serial(data: &[u8]) {
         MessageAssembler::new(MessageTiming { gap: nanos(4), character: nanos(1), hold: nanos(2) });
     let (mut now, mut sent, mut got, mut left) = (HostInstant::BOOT, Vec::new(), Vec::new(), data);
     while let Some((head, rest)) = left.split_first() {
-        let (piece, behind) = rest.split_at(rest.len().min(usize::from(head & 15)));
+        let (piece, after) = rest.split_at(rest.len().min(usize::from(head & 15)));
         let empty = now + nanos(i64::from(head >> 6) * 4);
         now = empty + nanos(i64::from(head >> 4 & 3) * 3);
         let mut received = Received { symbols: Vec::new(), empty, read: now };
@@ -365,7 +365,7 @@ pub fn serial(data: &[u8]) {
             Symbol::Break => None,
         }));
         assembler.take(&received, |received| got.push(received.message));
-        left = behind;
+        left = after;
     }
     got.extend(assembler.quiet(HostInstant::NEVER).map(|received| received.message));
     assert!(got.windows(2).all(|pair| pair[0].ends != pair[1].continues));
@@ -453,7 +453,7 @@ pub fn counter(data: &[u8]) {
     };
     let ceiling = if listens & 0x80 == 0 { u64::from(*counts) } else { u64::MAX };
     let mut follower = Follower::new(&spec, ceiling, Span::from_millis(100), Span::from_micros(50));
-    let mut told = 0;
+    let mut reported = 0;
     for record in records.as_chunks::<COUNTER_RECORD>().0 {
         let event = CounterEvent::read(record);
         let stamp =
@@ -462,10 +462,10 @@ pub fn counter(data: &[u8]) {
         let reading = CounterReading { before: stamp - Span::from_nanos(100), after: stamp, value };
         follower.take(reading, event.as_slice(), &mut |step| {
             assert!(step.from <= step.to, "{step:?}");
-            told += 1;
+            reported += 1;
         });
     }
-    assert!(told <= 2 * records.len() / COUNTER_RECORD + 1);
+    assert!(reported <= 2 * records.len() / COUNTER_RECORD + 1);
 }
 
 /// The pins of a block that is called once: its reference is 1, and all that enables and presets is on.

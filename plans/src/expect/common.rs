@@ -143,8 +143,8 @@ pub(super) fn bad_range(
         cx.out.bad(codes::CLAIM, node, message, "write the smaller one first");
         return;
     }
-    let behind = node.as_text().and_then(|text| text.get(error.at..)).unwrap_or_default();
-    let length = behind.find(char::is_whitespace).unwrap_or(behind.len());
+    let rest = node.as_text().and_then(|text| text.get(error.at..)).unwrap_or_default();
+    let length = rest.find(char::is_whitespace).unwrap_or(rest.len());
     let message = format!("`{key}` does not read as a {kind}: {error}");
     cx.out.bad_inside(codes::UNREADABLE, node, Some(error.at..error.at + length), message, help);
 }

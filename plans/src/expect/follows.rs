@@ -252,16 +252,16 @@ impl FollowsMonitor {
             let all: Vec<(Truth, Option<f64>)> = pairs.map(|pair| self.close(pair)).collect();
             if all.iter().any(|(truth, _)| *truth != Truth::True) {
                 let apart = all.iter().filter_map(|(_, apart)| *apart).reduce(f64::max);
-                self.tell((Truth::Unknown, apart), &TimedValue { a: start, b: start, ..last });
+                self.add((Truth::Unknown, apart), &TimedValue { a: start, b: start, ..last });
             }
         }
         let close = self.close(self.sides.each_ref().map(|side| side.value));
         let at = if count > 1 { TimedValue { a: latest, b: latest, ..last } } else { last };
-        self.tell(close, &at);
+        self.add(close, &at);
     }
 
     /// Hands on how close they are from here on.
-    fn tell(&mut self, (close, apart): (Truth, Option<f64>), at: &TimedValue) {
+    fn add(&mut self, (close, apart): (Truth, Option<f64>), at: &TimedValue) {
         self.until(at.b);
         let value = match close {
             Truth::True => Value::Int(0),

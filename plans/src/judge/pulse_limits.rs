@@ -1,7 +1,7 @@
 //! Lines of which a board reports every pulse only up to a frequency: what is counted of faster pulses is open.
 //!
 //! A trace says so in a note for each such signal, so that a recorded trace is judged as the run was. What the board
-//! did not tell nobody sees, so two things are looked at: how fast the pulses of the trace are, and how fast a claim wants
+//! did not report nobody sees, so two things are looked at: how fast the pulses of the trace are, and how fast a claim wants
 //! them to be.
 
 use record::Window;
@@ -20,7 +20,7 @@ pub fn note_of(signal: &str) -> String {
     format!("{NOTE}{signal}")
 }
 
-/// Pulses that came faster than a board promises to tell them.
+/// Pulses that came faster than a board promises to report them.
 #[derive(Clone, Copy, Debug)]
 struct FastStretch {
     from: i64,
@@ -65,7 +65,7 @@ impl CountedSignal {
     }
 }
 
-/// The signals of a trace whose boards promise to tell pulses up to a frequency.
+/// The signals of a trace whose boards promise to report pulses up to a frequency.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PulseLimits(Vec<Option<CountedSignal>>);
 

@@ -16,7 +16,7 @@ use signal::{QuantityFault, Span};
 use super::words::id_length;
 
 /// The pattern of an instant for schemas, without anchors at its ends: all that [`Anchor::parse`] takes, and little
-/// more. Behind the id any parts and numbers may stand: which there are, depends on the step.
+/// more. After the id any parts and numbers may stand: which there are, depends on the step.
 pub(crate) fn pattern() -> String {
     let id = "[A-Za-z_][A-Za-z0-9_]*(?:-[A-Za-z][A-Za-z0-9_]*)*";
     format!(r"{id}(?:\.{id}|\[\s*[0-9]+\s*\])*(?:\s*[+-]\s*-?{DURATION})*")

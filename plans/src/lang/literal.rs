@@ -30,7 +30,7 @@ pub enum LiteralFault {
     Empty,
     /// The digits do not fit the base or 64 bits.
     Digits,
-    /// Behind `T#` stands no duration.
+    /// After `T#` stands no duration.
     Duration,
     /// Neither a number, a word nor any other value.
     Unreadable,

@@ -96,7 +96,7 @@ pub enum Amount {
 pub enum NeedFault {
     /// No rig can have it; the word that was probably meant.
     Unknown(Option<&'static str>),
-    /// Behind the word stands neither `>=` nor `<=`.
+    /// After the word stands neither `>=` nor `<=`.
     Relation,
     /// This power has no amount.
     NoAmount,

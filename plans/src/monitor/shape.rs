@@ -86,7 +86,7 @@ pub enum BandBorder {
 
 impl ShapeBand {
     /// Pulses under a border from one instant to another, and how many more or fewer they become with a hertz of
-    /// tolerance. Behind the end there are none.
+    /// tolerance. After the end there are none.
     pub fn pulses(
         &self,
         border: BandBorder,

@@ -126,7 +126,7 @@ impl CountStretch {
     }
 
     /// The stretch that begins with a count, or with the one before where it is not known which of them came later.
-    fn behind(count: &PositionChange, before: Option<&CountStretch>) -> CountStretch {
+    fn after(count: &PositionChange, before: Option<&CountStretch>) -> CountStretch {
         let mut stretch = CountStretch::new(count);
         if let Some(before) = before.filter(|before| before.begin.b >= count.seen.a) {
             stretch.begin.b = stretch.begin.b.max(before.begin.b);
@@ -160,7 +160,7 @@ fn either(count: &PositionChange) -> PositionChange {
 struct LastCount {
     begin: TimedValue,
     /// The earliest end of those that certainly came after it.
-    behind: Option<TimedValue>,
+    after: Option<TimedValue>,
 }
 
 impl LastCount {
@@ -170,12 +170,12 @@ impl LastCount {
             one.b < other.a || one.b == other.a && one.place < other.place
         };
         if own.1 > 0 {
-            let old = last.replace(LastCount { begin: *seen, behind: None })?;
-            return old.behind.is_none_or(|behind| !before(&behind, seen)).then_some(old.begin);
+            let old = last.replace(LastCount { begin: *seen, after: None })?;
+            return old.after.is_none_or(|after| !before(&after, seen)).then_some(old.begin);
         }
         if let Some(last) = last.as_mut().filter(|last| before(&last.begin, seen)) {
-            last.behind = Some(match last.behind {
-                Some(behind) if (behind.b, behind.place) <= (seen.b, seen.place) => behind,
+            last.after = Some(match last.after {
+                Some(after) if (after.b, after.place) <= (seen.b, seen.place) => after,
                 _ => *seen,
             });
         }
@@ -224,7 +224,7 @@ impl ShapeFollower {
     }
 
     /// Nanoseconds after the beginning of the shape, in the middle of where it may lie.
-    fn behind(&self, at: i64) -> f64 {
+    fn nanos_after_beginning(&self, at: i64) -> f64 {
         let spread = self.origin.b.saturating_sub(self.origin.a);
         at.saturating_sub(self.origin.a) as f64 - spread as f64 / 2.0
     }
@@ -243,7 +243,7 @@ impl ShapeFollower {
             self.found.counts.0 += count.up.0.max(count.down.0);
             self.first[WORST].get_or_insert(*seen);
         }
-        let begun = CountStretch::behind(count, self.last.as_ref());
+        let begun = CountStretch::after(count, self.last.as_ref());
         let tangled = self.held.over == 0 && (count.blurred || self.last.is_some_and(|last| last.tangled));
         self.last = Some(begun);
         self.see_lone(count, tangled);
@@ -282,7 +282,7 @@ impl ShapeFollower {
             let Some(begin) = begin.filter(|_| tangled && (way == 0 || self.held.signed)) else { continue };
             let demand = StretchDemand {
                 ends: (Some(begin), Some(count.seen)),
-                extent: (self.behind(begin.b), self.behind(count.seen.a)),
+                extent: (self.nanos_after_beginning(begin.b), self.nanos_after_beginning(count.seen.a)),
                 border: BandBorder::Most,
                 backwards: way > 0,
                 limit: 1.0,
@@ -299,8 +299,8 @@ impl ShapeFollower {
     }
 
     fn judge(&mut self, side: usize, stretch: &CountStretch, end: &TimedValue, tangled: bool) {
-        let short = (self.behind(stretch.begin.b), self.behind(end.a));
-        let long = (self.behind(stretch.begin.a), self.behind(end.b));
+        let short = (self.nanos_after_beginning(stretch.begin.b), self.nanos_after_beginning(end.a));
+        let long = (self.nanos_after_beginning(stretch.begin.a), self.nanos_after_beginning(end.b));
         let ends = (Some(stretch.begin), Some(*end));
         for (backwards, heap) in [(false, &stretch.up), (true, &stretch.down)] {
             if backwards && !self.held.signed {
@@ -403,14 +403,14 @@ impl ShapeFollower {
                 BEST => (begin.b, end.a),
                 _ => (begin.a, end.b),
             };
-            let (from, until) = (self.behind(from), self.behind(until));
+            let (from, until) = (self.nanos_after_beginning(from), self.nanos_after_beginning(until));
             // What is not known may hold anything: nothing is due up to it.
             if self.found.doubtful {
                 continue;
             }
             let first = self.first[side];
-            let to_first =
-                first.map_or(until, |seen| self.behind(if side == BEST { seen.a } else { seen.b }));
+            let to_first = first
+                .map_or(until, |seen| self.nanos_after_beginning(if side == BEST { seen.a } else { seen.b }));
             // What a number had counted when it was first read came before.
             if first.is_none() || !self.held.coarse {
                 self.gap(side, (None, first), (from, to_first), (0, 0));
@@ -421,7 +421,8 @@ impl ShapeFollower {
                 BEST => (stretch.up.most, stretch.down.most),
                 _ => (stretch.up.least, stretch.down.least),
             };
-            let last = self.behind(if side == BEST { stretch.begin.b } else { stretch.begin.a });
+            let last =
+                self.nanos_after_beginning(if side == BEST { stretch.begin.b } else { stretch.begin.a });
             self.gap(side, (Some(stretch.begin), None), (last, until), counts);
         }
         self.ragged |= self.open.iter().flatten().any(|stretch| stretch.overdue);

@@ -101,7 +101,7 @@ mod tests {
         /// Wherever events and ends lie within their intervals, the speed lies within what is found; where all of them are
         /// exact it is that.
         #[test]
-        fn no_placement_has_a_speed_beyond_what_is_told(
+        fn no_placement_has_a_speed_beyond_what_is_reported(
             steps in prop::collection::vec((1i64..6, 0i64..3, -5i64..6), 1..6),
             from in (5i64..15, 0i64..3),
             until in (18i64..30, 0i64..3),
@@ -133,9 +133,9 @@ mod tests {
                 for end in window.until.a..=window.until.b {
                     for old in values(begin) {
                         for new in values(end) {
-                            let told = (new - old) / ((end - begin) as f64 / 1e9);
-                            prop_assert!(found.speed.0 <= told + 1e-3 && told - 1e-3 <= found.speed.1, "{told} {found:?}");
-                            exact.push(told);
+                            let reported = (new - old) / ((end - begin) as f64 / 1e9);
+                            prop_assert!(found.speed.0 <= reported + 1e-3 && reported - 1e-3 <= found.speed.1, "{reported} {found:?}");
+                            exact.push(reported);
                         }
                     }
                 }

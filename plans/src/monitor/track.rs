@@ -144,9 +144,9 @@ impl PositionTrack {
             let apart =
                 |b: i64, place: u64, next: &TimedValue| b < next.a || b == next.a && place < next.place;
             let before = self.lines[1 - slot].taken.is_none_or(|(b, place)| apart(b, place, &seen));
-            let behind = other.is_none_or(|other| apart(seen.b, seen.place, &other));
+            let after = other.is_none_or(|other| apart(seen.b, seen.place, &other));
             self.lines[slot].waiting.pop_front();
-            self.take(slot, &seen, !before || !behind || (full && !settled), out);
+            self.take(slot, &seen, !before || !after || (full && !settled), out);
         }
     }
 
@@ -182,7 +182,7 @@ impl PositionTrack {
                 _ => BOTH,
             },
             (PulseEncoding::Quadrature, _) => match (self.lines[0].level, self.lines[1].level) {
-                // Behind an edge of A going first the levels differ, after one of B they are alike.
+                // After an edge of A going first the levels differ, after one of B they are alike.
                 (Some(a), Some(b)) if !blurred => way((a != b) == (slot == 0)),
                 _ => BOTH,
             },

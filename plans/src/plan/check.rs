@@ -39,7 +39,7 @@ struct CheckedTime<'a> {
 
 impl CheckedTime<'_> {
     /// How long after `other`, where both depend on the same.
-    fn behind(&self, other: &CheckedTime<'_>) -> Option<i128> {
+    fn after(&self, other: &CheckedTime<'_>) -> Option<i128> {
         (self.root == other.root).then(|| self.nanos - other.nanos)
     }
 }
@@ -121,7 +121,7 @@ impl CheckedParts<'_> {
 
     /// Whether an instant lies after the end of the case whatever happens.
     fn is_behind(&self, anchor: &Anchor, end: Option<&CheckedTime<'_>>) -> bool {
-        self.place(anchor).zip(end).and_then(|(at, end)| at.behind(end)).is_some_and(|late| late > 0)
+        self.place(anchor).zip(end).and_then(|(at, end)| at.after(end)).is_some_and(|late| late > 0)
     }
 
     /// Why a claim looks where the case is over.
@@ -130,7 +130,7 @@ impl CheckedParts<'_> {
         demand: &ClaimDemand<'_>,
         end: Option<&CheckedTime<'_>>,
     ) -> Option<(String, &'static str)> {
-        let late = |anchor: &Anchor| self.place(anchor)?.behind(end?);
+        let late = |anchor: &Anchor| self.place(anchor)?.after(end?);
         let span = |nanos: i128| Span::from_nanos(i64::try_from(nanos).unwrap_or(i64::MAX));
         match demand {
             ClaimDemand::At(anchor) => late(anchor)
@@ -157,7 +157,7 @@ impl CheckedParts<'_> {
                     );
                     return Some((message, LATER));
                 }
-                let length = self.place(until)?.behind(&self.place(from)?)?;
+                let length = self.place(until)?.after(&self.place(from)?)?;
                 (length <= 0).then(|| {
                     let message =
                         format!("nothing lies between `{from}` and `{until}`: the claim can never fail");
@@ -183,7 +183,7 @@ impl CheckedParts<'_> {
         };
         for step in self.steps.iter().filter(whole) {
             let done = Anchor { base: AnchorBase::StepDone(step.id.clone()), offset: Span::ZERO };
-            let late = self.place(&done).and_then(|done| done.behind(end)).unwrap_or(0);
+            let late = self.place(&done).and_then(|done| done.after(end)).unwrap_or(0);
             if late > 0 {
                 let late = Span::from_nanos(i64::try_from(late).unwrap_or(i64::MAX));
                 let message = format!("the step `{}` is done {late} after the end of the case", step.id);
@@ -200,7 +200,7 @@ impl CheckedParts<'_> {
             known.is_some_and(|task| task.enabled == Some(false))
         };
         let demands = expectation.claim.demands();
-        // Behind that the system watchdog may be it, which nobody switches off.
+        // After that the system watchdog may be it, which nobody switches off.
         let soon = demands.iter().any(|demand| match demand {
             ClaimDemand::Delay { limits, .. } => limits.1 < SYSTEM_WATCHDOG.as_nanos(),
             _ => false,

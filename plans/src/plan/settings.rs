@@ -264,7 +264,7 @@ pub struct Settings {
 pub struct TaskSettings {
     /// Its name.
     pub name: String,
-    /// What starts its cycles, as written or as its other keys tell.
+    /// What starts its cycles, as written or as its other keys say.
     pub kind: Option<TaskType>,
     /// The variable that starts an event task.
     pub trigger: Option<String>,

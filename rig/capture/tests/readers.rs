@@ -27,7 +27,7 @@ fn refused(format: CaptureFormat, text: &str) -> CaptureError {
 }
 
 #[test]
-fn formats_are_told_by_their_beginning() {
+fn formats_are_recognised_by_their_beginning() {
     assert_eq!(CaptureFormat::of(LAMP, "x.bin"), Some(CaptureFormat::Sigrok));
     assert_eq!(CaptureFormat::of(b"\n $date", "x"), Some(CaptureFormat::Vcd));
     assert_eq!(
@@ -122,8 +122,8 @@ fn between_rows_anything_may_be() {
     let capture = read(CaptureFormat::Csv, EDGES, None).unwrap();
     assert_eq!(changes(&capture, "lamp")[1], (within(1_000_000_000, 1_520_035_000), Value::Bool(true)));
     assert_eq!(capture.knowledge, Knowledge::Sampled(Span::from_millis(1_500)));
-    let told = read(CaptureFormat::Csv, EDGES, Some(Span::from_micros(2))).unwrap();
-    assert_eq!(changes(&told, "lamp")[1].0, within(1_520_033_000, 1_520_035_000));
+    let reported = read(CaptureFormat::Csv, EDGES, Some(Span::from_micros(2))).unwrap();
+    assert_eq!(changes(&reported, "lamp")[1].0, within(1_520_033_000, 1_520_035_000));
 }
 
 #[test]
@@ -171,7 +171,7 @@ fn a_damaged_session_is_refused() {
     for length in (0..LAMP.len()).step_by(7) {
         assert!(read(CaptureFormat::Sigrok, &LAMP[..length], None).is_err(), "{length}");
     }
-    // A byte of the samples: the checksum tells.
+    // A byte of the samples: the checksum shows it.
     let data = LAMP.windows(9).position(|bytes| bytes == b"logic-1-1").unwrap() + 12;
     let mut broken = LAMP.to_vec();
     broken[data] ^= 1;

@@ -37,9 +37,9 @@ pub fn run(args: &CheckArgs) -> Exit {
         Ok(paths) => paths,
         Err(exit) => return exit,
     };
-    let (mut wrong, mut told) = (false, Vec::new());
+    let (mut wrong, mut reported) = (false, Vec::new());
     let mut report = |path: &str, found: &[Diagnostic], sources: &[SourceFile]| {
-        output::new_findings(found, &mut told, sources);
+        output::new_findings(found, &mut reported, sources);
         if found.iter().any(Diagnostic::is_error) {
             wrong = true;
         } else {

@@ -147,7 +147,7 @@ fn a_rig_that_is_gone_ends_every_wait() {
 }
 
 #[test]
-fn who_is_no_rig_of_this_protocol_is_told_from_one() {
+fn who_is_no_rig_of_this_protocol_is_distinguished_from_one() {
     for (first, code) in [
         ("SSH-2.0-OpenSSH\n", "R0643"),
         ("{}\n", "R0643"),
@@ -194,7 +194,7 @@ fn lines_arrive_whole_however_they_are_cut() {
 }
 
 #[test]
-fn a_message_is_told_by_what_it_has() {
+fn a_message_is_recognised_by_what_it_has() {
     let read = |text: &str| Message::read(text.as_bytes());
     assert!(matches!(read(r#"{"ok":{},"id":4}"#), Ok(Some(Message::Reply(Reply { id: Some(4), .. })))));
     assert!(matches!(

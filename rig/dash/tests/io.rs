@@ -59,7 +59,7 @@ fn values_edges_and_health_follow_the_rig() {
     setup.change("%IX0.1", 9_600_000_000, ON);
     setup.change("line-i1", 9_600_000_000, ON);
     setup.rig.status.points[1].rising = 1;
-    setup.tell_status();
+    setup.report_status();
     let shown = row(&mut setup, "I1");
     assert_eq!(shown.matches("TRUE").count(), 2, "{shown}");
     assert!(shown.contains("1/0"), "{shown}");

@@ -120,7 +120,7 @@ impl DashboardSetup {
             client: 1,
         })));
         self.answer();
-        self.tell_status();
+        self.report_status();
     }
 
     /// The rig answers whatever was asked.
@@ -185,8 +185,8 @@ impl DashboardSetup {
     }
 
     /// The rig sends its status.
-    pub fn tell_status(&mut self) {
-        self.tell(Event::Status { subscription: 0, status: Box::new(self.rig.status.clone()) });
+    pub fn report_status(&mut self) {
+        self.report(Event::Status { subscription: 0, status: Box::new(self.rig.status.clone()) });
     }
 
     /// A signal changes; all who subscribed to it are sent it.
@@ -200,12 +200,12 @@ impl DashboardSetup {
             .collect();
         for subscription in whose {
             let changes = vec![Change(place, at, at, value)];
-            self.tell(Event::Signals { subscription, changes, missed: 0 });
+            self.report(Event::Signals { subscription, changes, missed: 0 });
         }
     }
 
     /// The rig sends something.
-    pub fn tell(&mut self, event: Event) {
+    pub fn report(&mut self, event: Event) {
         self.shell.receive(RigMessage::Event(event));
         self.answer();
     }

@@ -40,7 +40,7 @@ fn leaving_asks_what_becomes_of_forces() {
     setup.press("qs");
     assert!(setup.asked.is_empty() && setup.wants.is_empty());
     setup.rig.status.forced.clear();
-    setup.tell_status();
+    setup.report_status();
     setup.press("q");
     assert_eq!(
         (setup.asked, setup.wants),
@@ -79,7 +79,7 @@ fn what_cannot_be_trusted_and_what_is_forced_stands_out_without_colours() {
         vec![StatusWarning { kind: "overrun".to_owned(), text: "2 overruns".to_owned() }];
     setup.rig.status.forced.clear();
     setup.rig.status.locked = Some(Locked { by: "anna".to_owned(), note: "accepted".to_owned() });
-    setup.tell_status();
+    setup.report_status();
     assert!(setup.stands_out("2 overruns") && setup.stands_out("Locked by anna: accepted"));
     assert!(!setup.screen().contains("FORCED"));
     // On every view, and on a window that is too small for one.
@@ -95,7 +95,7 @@ fn indicators_flash_with_the_times_of_the_rig() {
     let mut setup = setup();
     for (at, lit) in [(9_520, false), (10_000, true), (10_499, true), (10_500, false)] {
         setup.rig.status.at = at * 1_000_000;
-        setup.tell_status();
+        setup.report_status();
         assert_eq!(setup.screen().contains("I/O ●"), lit, "{at} ms");
     }
     // What passed since the status came counts.
@@ -133,11 +133,11 @@ fn the_log_stays_where_somebody_reads() {
     let mut setup = setup();
     setup.click("Log");
     let log = |at: i64| Event::Log { subscription: 0, at: at * 1_000_000, text: format!("line {at}") };
-    (0..100).for_each(|at| setup.tell(log(at)));
+    (0..100).for_each(|at| setup.report(log(at)));
     assert!(setup.screen().contains("line 99"));
     setup.key(KeyCode::PageUp);
     let before = setup.screen();
-    setup.tell(log(100));
+    setup.report(log(100));
     let after = setup.screen();
     let shown = |screen: &str| screen.lines().find(|line| line.contains("line ")).unwrap().to_owned();
     assert_eq!(shown(&before), shown(&after));
@@ -168,9 +168,9 @@ fn only_what_is_shown_is_subscribed_to() {
 fn what_the_rig_says_cannot_command_the_terminal() {
     let mut setup = setup();
     let text = "a\x1b[2Jb\x07c\nd\u{9b}1m".to_owned();
-    setup.tell(Event::Log { subscription: 0, at: 0, text });
+    setup.report(Event::Log { subscription: 0, at: 0, text });
     setup.rig.status.state = "\x1b]0;title\x07".to_owned();
-    setup.tell_status();
+    setup.report_status();
     setup.click("Log");
     assert!(!setup.screen().chars().any(|character| character.is_control() && character != '\n'));
 }

@@ -52,7 +52,7 @@ fn values_know_their_places() {
     assert_eq!(&text[raw.get("k k").unwrap().inner(0..3)], "raw");
 }
 
-// With escapes the places inside the text cannot be told: the whole value is shown.
+// With escapes the places inside the text are not known: the whole value is shown.
 #[test]
 fn a_text_with_escapes_is_shown_whole() {
     let text = "a = \"x\\ty\"";

@@ -26,7 +26,7 @@ struct Shared {
     began: AtomicInstant,
     outcome: AtomicI32,
     over: AtomicBool,
-    /// Told each time that an order was carried out.
+    /// Signalled each time that an order was carried out.
     finished: Arc<OwnedFd>,
 }
 

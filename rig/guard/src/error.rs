@@ -1,4 +1,4 @@
-//! What the rig is told when it cannot be guarded.
+//! What is reported to the rig when it cannot be guarded.
 
 use crate::Reason;
 use std::fmt;
@@ -39,7 +39,7 @@ pub enum GuardError {
         /// What the kernel said.
         error: io::Error,
     },
-    /// The watchdog would reset the machine behind every run.
+    /// The watchdog would reset the machine after every run.
     NeverStops {
         /// The device.
         path: PathBuf,
@@ -94,7 +94,7 @@ impl GuardError {
                 _ => "name another watchdog in [guard], or none".into(),
             },
             GuardError::NeverStops { .. } => {
-                "load its driver with nowayout=0, or leave it out of [guard]: it would reset the machine behind \
+                "load its driver with nowayout=0, or leave it out of [guard]: it would reset the machine after \
                  every run"
                     .into()
             }

@@ -112,7 +112,7 @@ pub(crate) struct GuardSetup {
     pub watchdog: Option<FedWatchdog>,
     /// The longest that the rig may give no sign of life.
     pub limit: Span,
-    /// How long lines are held behind the death of the rig.
+    /// How long lines are held after the death of the rig.
     pub hold: Span,
 }
 
@@ -137,7 +137,7 @@ pub(crate) struct Watch<'a> {
     again: HostInstant,
     /// When the last wait was to end.
     wakes_at: HostInstant,
-    /// The sign of life behind which the machine stood still, and until when the rig has another chance.
+    /// The sign of life after which the machine stood still, and until when the rig has another chance.
     excused: Option<HostInstant>,
     chance: HostInstant,
     /// The lines may be let go: asked to end, or another rig needs them.

@@ -1,4 +1,4 @@
-//! Events of the kernel's counter subsystem: what a device tells by itself, with the instants at which it reported so.
+//! Events of the kernel's counter subsystem: what a device reports by itself, with the instants at which it reported so.
 //! Everything else of a counter stands in files of `/sys`.
 
 use crate::HostInstant;
@@ -12,7 +12,7 @@ pub const COUNTER_RECORD: usize = 24;
 const COMPONENT_COUNT: u8 = 2;
 const SCOPE_COUNT: u8 = 2;
 
-/// What a counter can tell by itself: `enum counter_event_type`.
+/// What a counter can report by itself: `enum counter_event_type`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CounterEventKind {
     /// It counted over its ceiling.
@@ -56,7 +56,7 @@ pub struct CounterEvent {
 }
 
 impl CounterEvent {
-    /// Reads an event from the bytes of a record. `None` where the kernel says that it could not tell the count, or where
+    /// Reads an event from the bytes of a record. `None` where the kernel says that it does not know the count, or where
     /// nobody asked for such an event.
     pub fn read(record: &[u8; COUNTER_RECORD]) -> Option<CounterEvent> {
         let [
@@ -88,9 +88,9 @@ impl CounterEvent {
         let stamp = u64::from_ne_bytes([t0, t1, t2, t3, t4, t5, t6, t7]);
         let count = u64::from_ne_bytes([v0, v1, v2, v3, v4, v5, v6, v7]);
         let kind = CounterEventKind::ALL.get(usize::from(event))?;
-        let told = (component, scope, status) == (COMPONENT_COUNT, SCOPE_COUNT, 0);
+        let reported = (component, scope, status) == (COMPONENT_COUNT, SCOPE_COUNT, 0);
         let stamp = HostInstant::from_nanos(i64::try_from(stamp).ok()?);
-        told.then_some(CounterEvent { stamp, count, kind: *kind })
+        reported.then_some(CounterEvent { stamp, count, kind: *kind })
     }
 }
 
@@ -177,9 +177,9 @@ mod tests {
 
     #[test]
     fn an_event_is_read_as_the_kernel_wrote_it() {
-        let told = CounterEvent::read(&record(7_000, 42, [2, 2, 1, 1, 3, 1, 0, 0]));
+        let reported = CounterEvent::read(&record(7_000, 42, [2, 2, 1, 1, 3, 1, 0, 0]));
         let stamp = HostInstant::from_nanos(7_000);
-        assert_eq!(told, Some(CounterEvent { stamp, count: 42, kind: CounterEventKind::Threshold }));
+        assert_eq!(reported, Some(CounterEvent { stamp, count: 42, kind: CounterEventKind::Threshold }));
         for about in [[2, 2, 1, 1, 3, 1, 22, 0], [0, 0, 0, 0, 3, 1, 0, 0], [2, 2, 1, 1, 9, 1, 0, 0]] {
             assert_eq!(CounterEvent::read(&record(7_000, 42, about)), None, "{about:?}");
         }

@@ -1,4 +1,4 @@
-//! Datagrams of a socket with what the kernel tells beside them.
+//! Datagrams of a socket with what the kernel reports beside them.
 
 use std::io;
 use std::mem::{size_of, zeroed};
@@ -73,7 +73,7 @@ pub fn receive(socket: &impl AsFd, into: &mut [u8]) -> Result<Received, Errno> {
     while !note.is_null() {
         // SAFETY: the pointer came from CMSG_FIRSTHDR or CMSG_NXTHDR, so a whole header lies there.
         let header = unsafe { *note };
-        // SAFETY: as above; the data lie behind the header.
+        // SAFETY: as above; the data lie after the header.
         let data = unsafe { libc::CMSG_DATA(note) };
         // SAFETY: only computes a length.
         let holds = |size: usize| header.cmsg_len as usize >= unsafe { libc::CMSG_LEN(size as u32) } as usize;

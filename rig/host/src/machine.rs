@@ -1,4 +1,4 @@
-//! What the kernel tells about the machine in its files, and what tells one machine from another.
+//! What the kernel reports about the machine in its files, and what distinguishes one machine from another.
 
 use std::fs;
 use std::os::unix::fs::{MetadataExt, PermissionsExt};
@@ -214,7 +214,7 @@ impl Machine {
     }
 }
 
-/// A name as its word and the number behind it.
+/// A name as its word and the number after it.
 fn counted(name: &str) -> (&str, u64) {
     let word = name.trim_end_matches(|c: char| c.is_ascii_digit());
     (word, name[word.len()..].parse().unwrap_or(0))

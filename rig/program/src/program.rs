@@ -162,7 +162,7 @@ pub struct Program {
     /// ever written.
     pub(crate) image: Vec<u8>,
     pub(crate) variables_from: u32,
-    /// Behind the last variable.
+    /// After the last variable.
     pub(crate) variables_to: u32,
     /// How far the images and the mapped memory reach: pointers may hold any address.
     pub(crate) limits: signal::AddressLimits,
@@ -284,8 +284,8 @@ impl Program {
 
     /// Place of the source file of an operation.
     pub(crate) fn file_at(&self, pc: u32) -> u16 {
-        let behind = self.units.iter().filter(|unit| unit.entry <= pc);
-        behind.max_by_key(|unit| unit.entry).map_or(0, |unit| unit.file)
+        let after = self.units.iter().filter(|unit| unit.entry <= pc);
+        after.max_by_key(|unit| unit.entry).map_or(0, |unit| unit.file)
     }
 
     /// The tasks that the sources configure, in their order.

@@ -256,10 +256,10 @@ fn duration(body: &str) -> Option<i128> {
     let (mut rest, mut nanos) = (body, 0i128);
     while !rest.is_empty() {
         let end = rest.find(|c: char| c.is_ascii_alphabetic())?;
-        let (number, behind) = rest.split_at(end);
-        let (name, unit) = UNITS.iter().find(|(name, _)| behind.starts_with(name))?;
+        let (number, after) = rest.split_at(end);
+        let (name, unit) = UNITS.iter().find(|(name, _)| after.starts_with(name))?;
         nanos = nanos.checked_add(decimal(number, *unit)?)?;
-        rest = behind.strip_prefix(name)?.trim_start_matches('_');
+        rest = after.strip_prefix(name)?.trim_start_matches('_');
     }
     (!body.is_empty()).then_some(nanos)
 }

@@ -82,9 +82,9 @@ impl Spot {
         let (first, rest) = key.split_at(end);
         // A located variable of a program is a root of its own: two names.
         let two = rest.strip_prefix('.').map_or(0, |rest| rest.find(['.', '[']).unwrap_or(rest.len()) + 1);
-        let (both, behind) = key.split_at(end + two);
+        let (both, after) = key.split_at(end + two);
         let (entry, mut rest) = match program.index.get(both) {
-            Some(Some(entry)) if two > 0 => (*entry, behind),
+            Some(Some(entry)) if two > 0 => (*entry, after),
             _ => ((*program.index.get(first)?)?, rest),
         };
         let mut spot = Spot::root(program.roots.get(entry.root as usize)?);
@@ -92,14 +92,14 @@ impl Spot {
             spot.enter(program, |nth, _| nth == member as usize)?;
         }
         while !rest.is_empty() {
-            if let Some(behind) = rest.strip_prefix('.') {
-                let (name, behind) = behind.split_at(behind.find(['.', '[']).unwrap_or(behind.len()));
+            if let Some(after) = rest.strip_prefix('.') {
+                let (name, after) = after.split_at(after.find(['.', '[']).unwrap_or(after.len()));
                 spot.enter(program, |_, known| known.eq_ignore_ascii_case(name))?;
-                rest = behind;
+                rest = after;
             } else {
-                let (indices, behind) = rest.strip_prefix('[')?.split_once(']')?;
+                let (indices, after) = rest.strip_prefix('[')?.split_once(']')?;
                 spot.element(program, indices)?;
-                rest = behind;
+                rest = after;
             }
         }
         Some(spot)

@@ -159,7 +159,7 @@ fn inputs_with_edges_are_true_for_one_call() {
 }
 
 #[test]
-fn inputs_of_any_type_tell_class_address_and_size() {
+fn inputs_of_any_type_report_class_address_and_size() {
     let text = "FUNCTION LOOK : DINT
         VAR_INPUT it : ANY; END_VAR
         LOOK := it.diSize + 100 * it.TypeClass + 10000 * BYTE_TO_DINT(it.pValue[0]);

@@ -131,7 +131,7 @@ fn a_write_from_outside_counts_as_a_change() {
 }
 
 #[test]
-fn variables_tell_how_they_are_kept() {
+fn variables_report_how_they_are_kept() {
     let program = build(TEXT);
     let kept = |path: &str| program.find(path).unwrap().retention;
     assert_eq!(kept("p"), Retention::Persistent);

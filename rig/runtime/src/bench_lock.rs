@@ -120,7 +120,7 @@ fn user(users: &str, uid: u32) -> Option<String> {
 }
 
 /// Takes the devices of a board for this process; `None` where the board has none on this machine. Where somebody else has
-/// one, `wait` is how long to wait for them, if at all, and `told` is told for whom once.
+/// one, `wait` is how long to wait for them, if at all, and `report` is report for whom once.
 ///
 /// # Errors
 /// Who has them; a warning where this machine has no place for locks, and the bench is used without.
@@ -128,7 +128,7 @@ pub fn take(
     board: &BoardFile,
     wait: Option<Span>,
     interrupt: &AtomicBool,
-    told: &dyn Fn(&str),
+    report: &dyn Fn(&str),
 ) -> Result<Option<BenchLock>, Diagnostic> {
     let BoardKind::Real(spec) = &board.kind else { return Ok(None) };
     let used = uses(spec);
@@ -149,7 +149,7 @@ pub fn take(
             return Err(in_use(&taken, wait));
         }
         if !std::mem::replace(&mut waits, true) {
-            told(&format!("waiting for the bench: {}", words(&taken)));
+            report(&format!("waiting for the bench: {}", words(&taken)));
         }
         std::thread::sleep(LOOK);
     }

@@ -13,7 +13,7 @@ const NAME: &str = "Expert functions";
 /// The type by which programs refer to a function (io:EXP-16).
 const REFERENCE: &str = "EXPERT_REF";
 
-/// The standard blocks, and behind them those of the expert functions.
+/// The standard blocks, and after them those of the expert functions.
 static ALL: LazyLock<Vec<Native>> = LazyLock::new(|| {
     let blocks = BLOCKS.iter().copied().flatten();
     let own = (0..).zip(blocks).map(|(place, block)| native(place, block));

@@ -2,7 +2,7 @@
 //!
 //! The case is laid out on its bench as for a run, which says what its signals are. The channels of the capture become
 //! its signals. Its steps come when they are due, counted from the start that the user names, and where a step waits
-//! for something, when the capture has it. Behind the end of the capture nothing is known.
+//! for something, when the capture has it. After the end of the capture nothing is known.
 
 use crate::case_ending::CaseEnding;
 use crate::case_files::CaseFiles;
@@ -220,7 +220,7 @@ struct Replay {
     start_mark: Option<SignalId>,
     main_mark: Option<SignalId>,
     end_mark: Option<SignalId>,
-    /// How well the instants are known that steps hang on: the widest so far, as nanoseconds.
+    /// How well the instants are known that steps depend on: the widest so far, as nanoseconds.
     width: i64,
     /// The same of each step that the user says an instant of, else 0.
     widths: Vec<i64>,
@@ -309,7 +309,7 @@ impl Replay {
                 Due::Begin => {
                     self.width = self.width.max(self.widths[step]);
                     self.mark(Some(self.schedule.steps()[step].mark), at)?;
-                    // What a channel is driven to is not known; no instant hangs on it.
+                    // What a channel is driven to is not known; no instant depends on it.
                     self.schedule.begin(step, at, &[]);
                 }
                 Due::Emit(n) => {

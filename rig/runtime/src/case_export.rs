@@ -1,4 +1,4 @@
-//! What a command that loads a real controller is told of the case: in its environment, and in files beside it.
+//! What a command that loads a real controller is given of the case: in its environment, and in files beside it.
 
 use crate::case_files::CaseFiles;
 use crate::hook::Hook;

@@ -35,7 +35,7 @@ impl Catalogue {
         }
     }
 
-    /// VariableNumbers of further programs mean something too, behind those that it knows.
+    /// VariableNumbers of further programs mean something too, after those that it knows.
     pub fn add_programs(&mut self, programs: Vec<Arc<Program>>) {
         self.programs.extend(programs);
     }

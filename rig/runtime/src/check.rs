@@ -1,4 +1,4 @@
-//! What a bench tells of a case before anything moves: values that its signals cannot have, signals that nothing can
+//! What a bench shows of a case before anything moves: values that its signals cannot have, signals that nothing can
 //! move, needs that it does not meet.
 
 use crate::case_files::CaseFiles;

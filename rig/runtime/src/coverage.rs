@@ -158,8 +158,8 @@ impl CoveredFile {
         let mut ran: Vec<u32> = lines.iter().filter(|(_, missed)| !missed).map(|(line, _)| *line).collect();
         ran.dedup();
         let between = |last: u32, line: u32| {
-            let behind = ran.partition_point(|ran| *ran <= last);
-            ran.get(behind).is_none_or(|next| *next >= line) && ran.binary_search(&last).is_err()
+            let after = ran.partition_point(|ran| *ran <= last);
+            ran.get(after).is_none_or(|next| *next >= line) && ran.binary_search(&last).is_err()
         };
         FileCoverage {
             file: self.file.clone(),

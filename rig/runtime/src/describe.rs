@@ -79,7 +79,7 @@ pub fn record_of(case: &Case, files: &CaseFiles) -> CaseRecord {
     }
 }
 
-/// Writes into the trace up to which frequency its board tells every pulse, where the board says it.
+/// Writes into the trace up to which frequency its board reports every pulse, where the board says it.
 pub fn promises(trace: &mut Trace, wiring: &Wiring, channels: &[Channel]) {
     for (channel, signals) in channels.iter().zip(&wiring.channels) {
         for signal in signals.iter().filter(|_| channel.is_digital()) {
@@ -242,7 +242,7 @@ pub fn what(stimulus: &Stimulus) -> String {
             match (on, lasts) {
                 (true, Some(lasts)) => format!("{what} for {lasts}"),
                 (true, None) => what,
-                (false, _) => format!("{what} mended"),
+                (false, _) => format!("{what} cleared"),
             }
         }
         Stimulus::Train(train) => format!("{} pulses on {}", train.count, train.signal),

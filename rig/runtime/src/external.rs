@@ -54,8 +54,8 @@ pub struct External {
     alarm: Option<bool>,
     since: Time,
     way: Way,
-    /// The state as it was told last.
-    told: Value,
+    /// The state as it was reported last.
+    reported: Value,
     /// The case has begun.
     begun: bool,
     loaded: bool,
@@ -88,7 +88,7 @@ impl External {
             alarm: None,
             since: Time::ZERO,
             way: Way::Off,
-            told: Value::Unknown,
+            reported: Value::Unknown,
             begun: false,
             loaded: false,
         }
@@ -104,12 +104,12 @@ impl External {
         }
     }
 
-    /// Tells the state where it is another one, from `at` on.
-    fn tell(&mut self, at: Time, effects: &mut Effects) {
+    /// Reports the state where it is another one, from `at` on.
+    fn report(&mut self, at: Time, effects: &mut Effects) {
         let shown = self.shown();
         // The executor shows where the case begins: there the state and the start are one.
-        if self.told != shown && self.begun {
-            self.told = shown;
+        if self.reported != shown && self.begun {
+            self.reported = shown;
             effects.list.push(Effect::Changed { at, probe: STATE, value: shown, cause: Cause::Controller });
         }
     }
@@ -204,7 +204,7 @@ impl Subject for External {
                 self.switch_supply(now, true, effects);
             }
         }
-        self.tell(now, effects);
+        self.report(now, effects);
     }
 
     fn run(&mut self, limit: Time, _effects: &mut Effects) -> Time {
@@ -229,7 +229,7 @@ impl Subject for External {
                 self.switch_supply(now, true, effects);
                 self.boots(now);
             }
-            // Where its alarm output tells, silence means that it is not there.
+            // Where its alarm output shows it, silence means that it is not there.
             Way::Boots(since, by) if by <= now => {
                 if self.has_alarm && self.initial == State::Running {
                     self.way = Way::Boots(since, Time::MAX);
@@ -239,7 +239,7 @@ impl Subject for External {
             }
             _ => {}
         }
-        self.tell(now, effects);
+        self.report(now, effects);
     }
 
     // Its inputs and outputs are the board's alone.
@@ -258,7 +258,7 @@ impl Subject for External {
         if self.alarm == Some(true) && self.initial == State::Running {
             self.arrive(earliest);
         }
-        self.tell(earliest, effects);
+        self.report(earliest, effects);
     }
 
     fn output(&self, terminal: Terminal) -> Value {
@@ -301,7 +301,7 @@ impl Startup for External {
             return;
         }
         self.set_out(now, effects);
-        self.tell(now, effects);
+        self.report(now, effects);
     }
 
     fn unload(&mut self, interrupt: &AtomicBool) -> Result<(), HookError> {
@@ -320,8 +320,8 @@ impl Startup for External {
     fn begin(&mut self) -> Option<(Time, Value)> {
         let Way::There(earliest) = self.way else { return None };
         self.begun = true;
-        self.told = self.shown();
-        Some((earliest, self.told))
+        self.reported = self.shown();
+        Some((earliest, self.reported))
     }
 
     fn state_probe(&self) -> Option<ProbeId> {

@@ -15,7 +15,7 @@ use std::fs::File;
 use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
-/// How many durations are needed for one of 10 000 to be told from the greatest.
+/// How many durations are needed for one of 10 000 to be distinguished from the greatest.
 pub const ENOUGH: u64 = 10_000;
 
 /// Where the figures of the user's machine are kept: `rig` in the folder for what programs keep, by the XDG Base
@@ -151,7 +151,7 @@ pub fn kept(folder: &Path, kind: &str, board_sha256: &str) -> Result<Option<Mach
     }
 }
 
-/// What tells the devices of a board from those of another, 64 hexadecimal digits; empty for a board without real
+/// What distinguishes the devices of a board from those of another, 64 hexadecimal digits; empty for a board without real
 /// lines. Channels, names and terminals do not matter: the times of a chip are those of its chip.
 pub fn devices(file: &BoardFile) -> String {
     let BoardKind::Real(spec) = &file.kind else { return String::new() };

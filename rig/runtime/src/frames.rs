@@ -41,7 +41,7 @@ impl Watch {
         Watch { signal, pattern: Arc::new(source.pattern.clone()), shows }
     }
 
-    /// What the signal is before any frame; `None` for what only a frame tells.
+    /// What the signal is before any frame; `None` for what only a frame shows.
     pub fn initial(&self) -> Option<Value> {
         match self.shows {
             Shows::Count(count) => Some(Value::Int(count)),

@@ -53,7 +53,7 @@ pub fn configure(config: &mut Config, settings: &Settings, plan: &str) -> Result
     config.check_inputs().map_err(|error| vec![refusal(&error, settings, plan)])
 }
 
-/// A refusal of the controller at the setting that it is about, with what mends it.
+/// A refusal of the controller at the setting that it is about, with what fixes it.
 fn refusal(error: &ConfigError, settings: &Settings, plan: &str) -> Diagnostic {
     let (code, at, help) = match error {
         ConfigError::Input { input, fault } => {

@@ -22,9 +22,9 @@ pub enum JobResult {
 /// What happens while jobs run, with the place of the job.
 #[derive(Debug)]
 pub enum JobEvent {
-    /// The job begins: told at once, so that several jobs at a time come in any order.
+    /// The job begins: reported at once, so that several jobs at a time come in any order.
     Begun(usize),
-    /// The job has ended: told at once, and its result later.
+    /// The job has ended: reported at once, and its result later.
     Ended(usize),
     /// What became of the job, in the order of the jobs.
     Done(usize, JobResult),
@@ -32,7 +32,7 @@ pub enum JobEvent {
     Idle,
 }
 
-/// How long nothing happens before that is told.
+/// How long nothing happens before that is reported.
 const IDLE: Duration = Duration::from_millis(100);
 
 /// Runs jobs, several at once, and hands each result to `each` in the order of the jobs.
@@ -51,20 +51,20 @@ pub fn run(
     });
 }
 
-/// What a worker tells.
+/// What a worker reports.
 enum WorkerEvent {
     Begun,
     Done(JobResult),
 }
 
-/// As [`run`], and tells when jobs begin and end.
+/// As [`run`], and reports when jobs begin and end.
 pub fn watch(
     plans: &[LoadedPlan],
     jobs: &[Job],
     at_once: usize,
     fail_fast: bool,
     options: &RunOptions<'_>,
-    tell: &mut dyn FnMut(JobEvent),
+    report: &mut dyn FnMut(JobEvent),
 ) {
     let next = AtomicUsize::new(0);
     let stop = AtomicBool::new(false);
@@ -101,21 +101,21 @@ pub fn watch(
             let (place, done) = match receive.recv_timeout(IDLE) {
                 Ok((place, WorkerEvent::Done(done))) => (place, done),
                 Ok((place, WorkerEvent::Begun)) => {
-                    tell(JobEvent::Begun(place));
+                    report(JobEvent::Begun(place));
                     continue;
                 }
                 Err(RecvTimeoutError::Timeout) => {
-                    tell(JobEvent::Idle);
+                    report(JobEvent::Idle);
                     continue;
                 }
                 Err(RecvTimeoutError::Disconnected) => break,
             };
             if !matches!(done, JobResult::Skipped(_)) {
-                tell(JobEvent::Ended(place));
+                report(JobEvent::Ended(place));
             }
             waiting[place] = Some(done);
             while let Some(done) = waiting.get_mut(handed).and_then(Option::take) {
-                tell(JobEvent::Done(handed, done));
+                report(JobEvent::Done(handed, done));
                 handed += 1;
             }
         }
@@ -144,7 +144,7 @@ fn skipped(plans: &[LoadedPlan], job: &Job) -> JobResult {
 
 fn run_job(plans: &[LoadedPlan], job: &Job, options: &RunOptions<'_>) -> JobResult {
     let Some(loaded) = plans.get(job.plan) else { return JobResult::Findings(Vec::new()) };
-    // What the plan leaves to chance is drawn anew in each turn.
+    // What the plan leaves to chance is drawn again in each turn.
     let case = match loaded.plan.case_with(job.case, job.seed) {
         Ok(case) => case,
         Err(found) => return JobResult::Findings(found),

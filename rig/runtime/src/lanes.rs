@@ -11,7 +11,7 @@ const MOST_LANES: usize = 24;
 const POINTS: usize = 400;
 
 /// The part of the trace that the record keeps: from a little before the first thing that claims and steps look at
-/// to a little behind the last. A signal with more changes than fit keeps those around the instants that decided.
+/// to a little after the last. A signal with more changes than fit keeps those around the instants that decided.
 pub fn excerpts(record: &CaseRecord, trace: &Trace) -> Vec<Lane> {
     let (from, until) = interest(record);
     let focus = focus(record, from);
@@ -58,13 +58,13 @@ struct Excerpt {
     kept: VecDeque<Event>,
     /// Changes before the kept ones found no room.
     dropped: bool,
-    /// Changes behind the kept ones found no room.
+    /// Changes after the kept ones found no room.
     cut: bool,
 }
 
 impl Excerpt {
     /// Keeps a change. When room runs out, earlier changes make room as long as the instant that decided still lies
-    /// ahead or close by; behind it nothing more is kept.
+    /// ahead or close by; after it nothing more is kept.
     fn keep(&mut self, event: Event, focus: Option<i64>) {
         if self.kept.len() < POINTS {
             self.kept.push_back(event);

@@ -57,7 +57,7 @@ impl Model {
         Ok(Model { controller: Controller::with_modules(config, loader, store, modules)?, catalogue })
     }
 
-    /// VariableNumbers of further programs mean something too, behind those that it knows.
+    /// VariableNumbers of further programs mean something too, after those that it knows.
     pub fn add_programs(&mut self, programs: Vec<Arc<Program>>) {
         self.catalogue.add_programs(programs);
     }

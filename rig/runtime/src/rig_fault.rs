@@ -28,7 +28,7 @@ pub enum RigFault {
     Lost {
         /// When.
         at: Time,
-        /// The first of its channels that told of it.
+        /// The first of its channels that reported it.
         channel: ChannelId,
         /// The device in words; empty where the board has none.
         device: String,
@@ -137,7 +137,7 @@ pub enum RigFault {
         /// How late it may be.
         limit: Span,
     },
-    /// The program had the period of a square wave begin anew that a device makes.
+    /// The program restarted the period of a square wave that a device makes.
     PeriodNotRestarted {
         /// When.
         at: Time,
@@ -340,7 +340,7 @@ impl fmt::Display for RigFaultText<'_> {
                 let name = self.name(*channel);
                 write!(
                     f,
-                    "at {at} the program began the period of {name} anew, which the device that makes its pulses cannot: \
+                    "at {at} the program restarted the period of {name}, which the device that makes its pulses cannot: \
                      leave out `Sync`, or take a line that the rig drives"
                 )
             }
@@ -423,7 +423,7 @@ mod tests {
         );
     }
 
-    /// Who reads it is told of `reconnect` where that would have helped, and only there.
+    /// It names `reconnect` where that would have helped, and only there.
     #[test]
     fn a_device_that_is_still_lost_is_told_with_what_mends_it() {
         let said = |reason, reconnect| {

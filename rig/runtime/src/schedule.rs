@@ -40,7 +40,7 @@ pub enum Act {
         /// Number of cycles.
         times: u32,
     },
-    /// Lets something go wrong around the subject, or mends it.
+    /// Lets something go wrong around the subject, or clears it.
     Disturb(Disturbance),
     /// Keeps a task from the processor.
     Suspend {
@@ -146,7 +146,7 @@ pub enum Due {
     Main,
 }
 
-/// What a step or the end of the case hangs on, with the step's place.
+/// What a step or the end of the case depends on, with the step's place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum StepAnchor {
     Start,
@@ -200,7 +200,7 @@ struct GeneratorProgress {
 #[derive(Debug)]
 pub struct Schedule {
     steps: Vec<PlannedStep>,
-    /// What each step hangs on, and behind them the end of the case.
+    /// What each step depends on, and after them the end of the case.
     roots: Vec<StepAnchor>,
     /// When each began last.
     begun: Vec<Option<Time>>,
@@ -297,7 +297,7 @@ impl Schedule {
         self.anchor_reached(StepAnchor::Start, at);
     }
 
-    /// An instant that steps or the end hang on came.
+    /// An instant that steps or the end depend on came.
     fn anchor_reached(&mut self, root: StepAnchor, now: Time) {
         for place in 0..self.roots.len() {
             if self.roots[place] == root {
@@ -307,7 +307,7 @@ impl Schedule {
         self.stops(root, now);
     }
 
-    /// What the step at `place`, or the end behind the last one, hangs on comes at `base_at`.
+    /// What the step at `place`, or the end after the last one, depends on comes at `base_at`.
     fn queue_anchored(&mut self, place: usize, base_at: Time, now: Time) {
         let (anchor, due) = match self.steps.get(place).map(|step| &step.timing) {
             Some(Timing::At(anchor)) => (anchor, Some(Due::Begin)),
@@ -359,7 +359,7 @@ impl Schedule {
         }
     }
 
-    /// A step begins: what it does is queued, what hangs on it learns its instant. `driven` is what each channel is
+    /// A step begins: what it does is queued, what depends on it learns its instant. `driven` is what each channel is
     /// driven to.
     pub fn begin(&mut self, step: usize, now: Time, driven: &[Value]) {
         self.begun[step] = Some(now);
@@ -422,7 +422,7 @@ impl Schedule {
         (0..self.steps.len()).any(|step| late(&step))
     }
 
-    /// Queues the next act of a generator. Behind the last one that comes within the step's time the step is done. Where
+    /// Queues the next act of a generator. After the last one that comes within the step's time the step is done. Where
     /// the act before came at `reached`, edges of pulses keep apart from it.
     fn emit(&mut self, step: usize, reached: Option<Time>) {
         let Some(begun) = self.begun[step] else { return };
@@ -451,7 +451,7 @@ impl Schedule {
     }
 
     /// What the next act of a step's generator writes is appended to `out`, what else it asks of the board is handed back,
-    /// and the one behind it queued. Nothing where the generator was stopped, or has begun again since the act was queued.
+    /// and the one after it queued. Nothing where the generator was stopped, or has begun again since the act was queued.
     /// On real lines the act comes at `reached`: what a late rig catches up with keeps three quarters of its distance.
     pub fn emitted(
         &mut self,

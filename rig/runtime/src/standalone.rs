@@ -301,7 +301,7 @@ impl StandaloneRun {
         Ok(self.now - began)
     }
 
-    /// Answers what a task asks of a controller: the first cycle of each task is the first one behind a cold start,
+    /// Answers what a task asks of a controller: the first cycle of each task is the first one after a cold start,
     /// nothing is forced, and there is a clock. How long the task sleeps.
     fn serve(&mut self, task: usize, service: Service, argument: i64) -> Span {
         let mut slept = Span::ZERO;
@@ -385,7 +385,7 @@ mod tests {
 
     #[test]
     fn missed_releases_are_lost_but_one() {
-        // 24.4 ms at an interval of 20 ms: one behind the other, and the grid is kept.
+        // 24.4 ms at an interval of 20 ms: one after the other, and the grid is kept.
         let mut alone = alone(
             "PROGRAM m VAR n, i, far : DINT; END_VAR n := n + 1; FOR i := 1 TO 100000 DO far := i; END_FOR; END_PROGRAM",
         );

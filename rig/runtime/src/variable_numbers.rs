@@ -50,7 +50,7 @@ impl ResolvedVariables {
         self.0.get((number & !NAMED) as usize).copied().flatten()
     }
 
-    /// Whether the number came into the table behind this resolution.
+    /// Whether the number came into the table after this resolution.
     pub fn lacks(&self, number: u32) -> bool {
         number & NAMED != 0 && (number & !NAMED) as usize >= self.0.len()
     }

@@ -59,7 +59,7 @@ impl WakeStatistics {
     }
 }
 
-/// Buckets for a record: each is a quarter of a power of two wide, which tells enough and takes little room.
+/// Buckets for a record: each is a quarter of a power of two wide, which shows enough and takes little room.
 fn coarse(noted: &Histogram) -> Vec<[u64; 2]> {
     let mut buckets: Vec<[u64; 2]> = Vec::new();
     let quarter = |length: u64| (length.ilog2(), length >> length.ilog2().saturating_sub(2) & 3);

@@ -43,7 +43,7 @@ pub struct Wiring {
     pub ports: Vec<WiredPort>,
     /// Signals that follow the frames of each bus.
     pub buses: Vec<Vec<Watch>>,
-    /// Last writer of each channel, as the subject told it.
+    /// Last writer of each channel, as the subject reported it.
     pub writers: Vec<Cause>,
     /// The subject's state.
     pub state: Option<SignalId>,

@@ -1,4 +1,4 @@
-//! The loop of a case allocates nothing: between two instants of modelled time, well behind the start, the number of
+//! The loop of a case allocates nothing: between two instants of modelled time, well after the start, the number of
 //! allocations does not depend on how many cycles lie between them. What remains are the segments of the trace.
 
 use crate::texts::Texts;

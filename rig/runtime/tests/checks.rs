@@ -1,4 +1,4 @@
-//! What a bench tells of a plan before anything moves, each with the plan that has nothing wrong beside it.
+//! What a bench reports of a plan before anything moves, each with the plan that has nothing wrong beside it.
 
 use crate::texts::Texts;
 use scanrig_runtime::case::check_case;
@@ -81,7 +81,7 @@ fn values_that_a_signal_cannot_have_are_errors() {
         ("{ stays = { signal = \"%MX3.0\", one-of = [true, false] } }", "R0145"),
         ("{ becomes = { signal = \"%MX3.0\", one-of = [true, false] } }", "R0145"),
         ("{ value = { of = \"PLC_R.i_wStatus\", is = 70000 } }", "R0145"),
-        // What a TIME holds is told in nanoseconds.
+        // What a TIME holds is reported in nanoseconds.
         ("{ value = { of = \"back\", max = \"1 d\" } }", ""),
     ] {
         let codes = of_claim(claim);
@@ -105,7 +105,7 @@ fn a_run_is_refused_as_well() {
 }
 
 #[test]
-fn a_line_that_nothing_moves_is_told() {
+fn a_line_that_nothing_moves_is_reported() {
     for (claim, code) in [
         ("{ rises = { signal = \"%IX0.0\", from = \"press\" } }", ""),
         ("{ rises = { signal = \"%IX0.2\", from = \"press\" } }", "R0146"),
@@ -129,7 +129,7 @@ fn a_line_that_nothing_moves_is_told() {
 }
 
 #[test]
-fn limits_that_the_instrument_cannot_tell_are_told() {
+fn limits_that_the_instrument_cannot_report_are_reported() {
     for (claim, code) in [
         ("{ value = { of = \"coarse\", near = 3, tolerance = 0.5 } }", "R0148"),
         ("{ value = { of = \"coarse\", near = 3, tolerance = 1 } }", ""),
@@ -147,7 +147,7 @@ fn limits_that_the_instrument_cannot_tell_are_told() {
 }
 
 #[test]
-fn a_need_that_no_board_meets_is_told() {
+fn a_need_that_no_board_meets_is_reported() {
     let plan = |need: &str| {
         found(&format!("needs = [\"{need}\"]\nexpect = [{{ state = {{ stays = \"RUNNING\" }} }}]"))
     };
@@ -161,7 +161,7 @@ fn a_need_that_no_board_meets_is_told() {
 }
 
 #[test]
-fn a_plan_that_runs_nowhere_is_told() {
+fn a_plan_that_runs_nowhere_is_reported() {
     let plan = "profiles = [\"m251-2024\"]\nexpect = [{ state = { stays = \"RUNNING\" } }]";
     let found = found(plan);
     assert_eq!(

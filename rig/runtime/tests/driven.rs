@@ -1,4 +1,4 @@
-//! Lines that a device drives a while after it was told: the mark of a step ends when its lines were seen driven.
+//! Lines that a device drives a while after the command: the mark of a step ends when its lines were seen driven.
 
 use crate::texts::{Parted, Texts};
 use document::SourceFile;
@@ -45,12 +45,12 @@ impl Clock for Ticks {
     }
 }
 
-/// A board that drives its lines so long after it was told.
+/// A board that drives its lines so long after the command.
 #[derive(Debug)]
 struct Slow {
     channels: Vec<Channel>,
     by: Span,
-    told: Vec<(Time, ChannelId, Value)>,
+    reported: Vec<(Time, ChannelId, Value)>,
 }
 
 impl Board for Slow {
@@ -71,12 +71,12 @@ impl Board for Slow {
     }
 
     fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError> {
-        self.told.extend(writes.iter().map(|(channel, value)| (now + self.by, *channel, *value)));
+        self.reported.extend(writes.iter().map(|(channel, value)| (now + self.by, *channel, *value)));
         Ok(())
     }
 
     fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
-        self.told.retain(|(at, channel, value)| {
+        self.reported.retain(|(at, channel, value)| {
             let driven = *at <= now;
             if driven {
                 let (channel, value, at) = (*channel, *value, When::exactly(*at));
@@ -129,7 +129,7 @@ fn run_plan(plan: &str, by: Span) -> (ExecutorReport, Parted) {
     let (_, mut parts) = Texts(&[("plan.toml", plan), ("board.toml", BOARD)]).parts(1);
     let real = |channel: &Channel| Channel { timestamp: TimestampSource::Kernel, ..channel.clone() };
     let channels = parts.board.channels().iter().map(real).collect();
-    parts.board = Box::new(Slow { channels, by, told: Vec::new() });
+    parts.board = Box::new(Slow { channels, by, reported: Vec::new() });
     let file = drivers::read(&SourceFile::new("board.toml", BOARD), &suite::terminals).unwrap();
     let settings = file.subject.external.clone().unwrap();
     let running = controller::State::Running;

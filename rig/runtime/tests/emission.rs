@@ -1,4 +1,4 @@
-//! Pulses that the board makes by itself: one call in place of one write for each edge, and edges as the board tells them.
+//! Pulses that the board makes by itself: one call in place of one write for each edge, and edges as the board reports them.
 
 use crate::texts::{Parted, Texts};
 use drivers::{
@@ -67,15 +67,15 @@ impl Clock for Ticks {
 const BEGINS: Span = Span::from_micros(3_000);
 const KNOWN: Span = Span::from_micros(50);
 
-/// A board whose channel `stream` counts its pulses and tells them when they are over, and whose channel `fan` has waves
-/// without end, and levels, and tells nothing.
+/// A board whose channel `stream` counts its pulses and reports them when they are over, and whose channel `fan` has waves
+/// without end, and levels, and reports nothing.
 #[derive(Debug)]
 struct Emitting {
     world: Shared,
     channels: Vec<Channel>,
     /// Edges that it loses from the end of a stream.
     loses: usize,
-    told: Vec<BoardEvent>,
+    reported: Vec<BoardEvent>,
 }
 
 impl Emitting {
@@ -106,7 +106,7 @@ impl Emitting {
             channel
         };
         let channels = board.channels().iter().map(real).collect();
-        Emitting { world: world.clone(), channels, loses, told: Vec::new() }
+        Emitting { world: world.clone(), channels, loses, reported: Vec::new() }
     }
 
     fn note(&self, now: Time, channel: ChannelId, asked: Asked) {
@@ -140,8 +140,8 @@ impl Board for Emitting {
     }
 
     fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError> {
-        if self.told.last().is_some_and(|last| last.latest() <= now) {
-            out.append(&mut self.told);
+        if self.reported.last().is_some_and(|last| last.latest() <= now) {
+            out.append(&mut self.reported);
         }
         Ok(())
     }
@@ -174,7 +174,7 @@ impl PulseOutputs for Emitting {
                 let at = now + BEGINS + *after;
                 let at = When::within(at, at + KNOWN);
                 let value = Value::Bool(n % 2 == 0);
-                self.told.push(BoardEvent::Changed { channel, at, value, origin: Origin::Write });
+                self.reported.push(BoardEvent::Changed { channel, at, value, origin: Origin::Write });
             }
         }
         Ok(())
@@ -252,7 +252,7 @@ impl Case {
 
 const TRAIN: &str = "{ id = \"pulses\", at = \"start + 5 ms\", train = { signal = \"stream\", frequency = \"1 kHz\", count = 3 } },";
 
-/// Three pulses that a board which begins at once has made 7.5 ms behind the start.
+/// Three pulses that a board which begins at once has made 7.5 ms after the start.
 #[test]
 fn a_train_is_one_call_and_its_end_is_its_last_edge() {
     let late = "{ id = \"late\", when = { signal = \"stream\", edge = \"rises\", within = \"9 ms\" }, \
@@ -273,10 +273,10 @@ fn a_train_is_one_call_and_its_end_is_its_last_edge() {
 }
 
 #[test]
-fn edges_that_the_board_does_not_tell_in_time_are_the_rigs_trouble() {
+fn edges_that_the_board_does_not_report_in_time_are_the_rigs_trouble() {
     let case = run(TRAIN, "ends = \"pulses.done\"", 1);
     assert!(matches!(case.ran.fault, Some(RigFault::Late { .. })), "{:?}", case.ran.fault);
-    // All that was told, and no more: who drives the line meanwhile waits for nothing.
+    // All that was reported, and no more: who drives the line meanwhile waits for nothing.
     assert_eq!(case.events("stream").len(), 5);
 }
 
@@ -297,7 +297,7 @@ fn a_wave_without_end_ends_with_its_step_with_the_case_and_with_what_drives_its_
         (step(", lasts = \"3200 us\""), "wave.done", vec![square.clone(), level(true)]),
         (step(", lasts = \"3500 us\""), "wave.done", vec![square.clone(), level(false)]),
         (step(""), "start + 5 ms", vec![square.clone(), level(false)]),
-        // Who drives last drives alone: nothing of the wave comes behind it.
+        // Who drives last drives alone: nothing of the wave comes after it.
         (step(", lasts = \"3200 us\"") + stops, "start + 9 ms", vec![square.clone(), level(true)]),
         (step("") + stops, "start + 9 ms", vec![square, level(true)]),
     ] {
@@ -343,7 +343,7 @@ fn what_a_channel_cannot_emit_is_refused_before_anything_moves() {
         let found = parts(&free(), &plan(&step, "ends = \"start + 1 s\""), 0);
         assert_eq!(found.map(|_| ()).err(), code.map(|code| vec![code]), "{step}");
     }
-    // What the model would see of pulses that are told when they are over.
+    // What the model would see of pulses that are reported when they are over.
     let bound = plan(&train("frequency = \"1 kHz\", count = 5"), "ends = \"start + 1 s\"");
     assert_eq!(parts(BOARD, &bound, 0).err(), Some(vec!["R0307"]));
 }
@@ -369,7 +369,7 @@ expect = [{{ state = {{ stays = \"RUNNING\", from = \"start\", until = \"f\" }} 
     )
 }
 
-/// What the model asked of the channel of Q0 behind the start.
+/// What the model asked of the channel of Q0 after the start.
 fn of_model(steps: &str) -> (ExecutorReport, Vec<(Time, Asked)>) {
     let plan = with_pwm(steps, "kind = \"pwm\", a = \"%QX0.0\"", "ends = \"start + 1 s\"");
     let (world, mut model, mut parts) = parts(&free(), &plan, 0).unwrap();
@@ -383,7 +383,7 @@ fn of_model(steps: &str) -> (ExecutorReport, Vec<(Time, Asked)>) {
 const CHANGE: &str = "{ id = \"f\", at = \"start + 300 ms\", write = { of = \"f\", value = 20_000 } },";
 
 #[test]
-fn the_models_pwm_is_made_by_the_board_and_told_at_start_and_change_only() {
+fn the_models_pwm_is_made_by_the_board_and_reported_at_start_and_change_only() {
     let stop = "{ id = \"stop\", at = \"start + 600 ms\", command = \"stop\" }";
     let (ran, asked) = of_model(&format!("{CHANGE}{stop}"));
     assert_eq!(ran.fault, None);
@@ -416,7 +416,7 @@ fn a_shape_that_the_device_does_not_have_ends_the_case() {
 }
 
 #[test]
-fn functions_that_a_line_cannot_do_are_refused_and_those_that_it_does_not_promise_are_told() {
+fn functions_that_a_line_cannot_do_are_refused_and_those_that_it_does_not_promise_are_reported() {
     let pto = |rest: &str| format!("kind = \"pto\", output = \"pulse\", {rest}");
     for (function, expected) in [
         ("kind = \"pwm\", a = \"%QX0.0\"".to_owned(), Ok(vec![])),

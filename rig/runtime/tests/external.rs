@@ -68,12 +68,12 @@ expect = [
 ]";
 
 #[test]
-fn its_supply_is_switched_its_alarm_tells_and_its_lines_are_seen() {
+fn its_supply_is_switched_its_alarm_reports_and_its_lines_are_seen() {
     let result = run(LINES, PRESS);
     expect(&result, Verdict::Pass);
     // 2 s without supply, 1.5 s until it runs.
     assert_eq!(result.record.start_ns, 3_500_000_000);
-    // Behind the case everything is safe, its supply too.
+    // After the case everything is safe, its supply too.
     let begun = result.record.steps[0].at_ns.unwrap();
     assert_eq!(begun, [4_500_000_000; 2]);
 }
@@ -87,7 +87,7 @@ fn its_jitter_widens_what_is_seen_of_it_and_nothing_else() {
         (last.at.latest - last.at.earliest).as_nanos()
     };
     assert_eq!((wide("lamp"), wide("button")), (5_000_000, 0));
-    // The lamp came behind 20 ms; 16 ms is within its jitter, and 14 ms is not.
+    // The lamp came after 20 ms; 16 ms is within its jitter, and 14 ms is not.
     for (within, verdict) in [("16 ms", Verdict::Inconclusive), ("14 ms", Verdict::Fail)] {
         let rest = PRESS.replace("10 ms .. 30 ms", within);
         expect(&run(&format!("{LINES}jitter = \"5 ms\"\n"), &rest), verdict);

@@ -182,21 +182,21 @@ fn a_lost_claim_and_an_interrupt_end_the_steps_and_not_the_teardown() {
     assert_eq!((came(&result.record, "open"), came(&result.record, "close")), (None, None));
 }
 
-/// Answers as it is told, and interrupts the run with the last answer if it is told so.
+/// Answers as it is asked, and interrupts the run with the last answer if that is asked.
 #[derive(Debug)]
-struct Told<'a> {
+struct Reported<'a> {
     answers: Mutex<Vec<Result<usize, AskError>>>,
     asked: Mutex<Vec<String>>,
     interrupt: Option<&'a AtomicBool>,
 }
 
-impl Told<'_> {
-    fn new(answers: &[Result<usize, AskError>]) -> Told<'static> {
-        Told { answers: Mutex::new(answers.to_vec()), asked: Mutex::default(), interrupt: None }
+impl Reported<'_> {
+    fn new(answers: &[Result<usize, AskError>]) -> Reported<'static> {
+        Reported { answers: Mutex::new(answers.to_vec()), asked: Mutex::default(), interrupt: None }
     }
 }
 
-impl Operator for Told<'_> {
+impl Operator for Reported<'_> {
     fn ask(&self, step: &str, question: &Question, _: &AtomicBool) -> Result<usize, AskError> {
         let photo = question.photo.clone().unwrap_or_default();
         self.asked.lock().unwrap().push(format!("{step}: {} {photo}", question.text));
@@ -219,7 +219,7 @@ teardown = [{ id = \"close\", at = \"teardown\", set = { signal = \"stop\", valu
 
 fn asked(answer: Result<usize, AskError>) -> (JobResult, Vec<String>) {
     let interrupt = AtomicBool::new(false);
-    let person = Told::new(&[answer]);
+    let person = Reported::new(&[answer]);
     let options = RunOptions { operator: Some(&person), ..RunOptions::new(ClockKind::Virtual, &interrupt) };
     let plan = format!("{HEAD}{ASKS}");
     let done = texts(&[("plan.toml", &plan), ("valve.st", VALVE), ("door.png", "picture")]).done(3, &options);
@@ -270,7 +270,7 @@ fn where_nobody_can_be_asked_nothing_moves() {
 #[test]
 fn an_interrupt_leaves_the_teardown_to_come() {
     let interrupt = AtomicBool::new(false);
-    let person = Told { interrupt: Some(&interrupt), ..Told::new(&[Ok(1)]) };
+    let person = Reported { interrupt: Some(&interrupt), ..Reported::new(&[Ok(1)]) };
     let options = RunOptions { operator: Some(&person), ..RunOptions::new(ClockKind::Virtual, &interrupt) };
     let plan = format!("{HEAD}{ASKS}");
     let (loaded, jobs) = texts(&[("plan.toml", &plan), ("valve.st", VALVE), ("door.png", "picture")]).load(3);

@@ -106,7 +106,7 @@ expect = [{ falls = { signal = "lamp", from = "press.done", within = "100 ms" } 
         // The rest of the plan was not waited for.
         let lit = alarm.deciding_ns.unwrap()[1];
         let ended = result.record.end_ns - lit;
-        assert!((300_000_000..310_000_000).contains(&ended), "{ended} ns behind the rise");
+        assert!((300_000_000..310_000_000).contains(&ended), "{ended} ns after the rise");
         let source = document::SourceFile::new("plan.toml", plan.clone());
         let again = rejudge::judge(&source, trace).unwrap();
         assert_eq!((again.verdict, &again.claims), (Verdict::Fail, &result.record.claims));

@@ -175,7 +175,7 @@ fn a_wave_that_comes_back_edge_by_edge_is_an_instrument() {
 fn every_trouble_of_a_loop_is_named_and_leaves_the_board_safe() {
     for (trouble, expected, words) in [
         (Trouble::Cut, LoopFault::Silent { edge: 7, high: true }, "`I0` did not follow edge 7 of `Q0`, to 1"),
-        (Trouble::Twice, LoopFault::Stray { edge: 7 }, "`I0` changed behind edge 7 of `Q0`"),
+        (Trouble::Twice, LoopFault::Stray { edge: 7 }, "`I0` changed after edge 7 of `Q0`"),
         (Trouble::Inverts, LoopFault::Stray { edge: 7 }, "though nobody drove it"),
         (Trouble::Lost, LoopFault::Dropped(2), "2 edges of `I0` were lost"),
         (Trouble::Gone, LoopFault::Lost(LossReason::Gone), "the device is gone"),

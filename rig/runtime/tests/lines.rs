@@ -91,9 +91,9 @@ fn ms(n: i64) -> Span {
     Span::from_millis(n)
 }
 
-/// The start of a cycle that is well behind the beginning.
+/// The start of a cycle that is well after the beginning.
 fn cycle(start: Time) -> Time {
-    // Found out from the bench: an output that changes does so a few us behind its cycle's start.
+    // Found out from the bench: an output that changes does so a few us after its cycle's start.
     let mut bench = Bench::new("ends = \"start + 200 ms\"");
     bench.edge(start + ms(101), true);
     assert_eq!(bench.run().fault, None);
@@ -108,7 +108,7 @@ fn cycle(start: Time) -> Time {
 fn an_edge_counts_for_the_next_cycle_and_not_for_one_that_was_due_before_it() {
     let start = started();
     let at = cycle(start);
-    // 5 ms before a cycle, and 5 ms behind its start while the rig is 15 ms late for it.
+    // 5 ms before a cycle, and 5 ms after its start while the rig is 15 ms late for it.
     for (edge, late, cycles_later) in [(at - ms(5), Span::ZERO, 0), (at + ms(5), ms(15), 1)] {
         let mut bench = Bench::new("ends = \"start + 200 ms\"");
         bench.edge(edge, true);

@@ -60,9 +60,9 @@ struct Reader {
     seen: Seen,
 }
 
-/// What the endpoint was told, as far as it is counted.
+/// What the endpoint received, as far as it is counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Told {
+struct Reported {
     /// The state of the controller, and how often its communication started.
     state: Option<State>,
     starts: u32,
@@ -74,7 +74,7 @@ struct Told {
     free: Option<(Time, Time)>,
 }
 
-type Seen = Arc<Mutex<Told>>;
+type Seen = Arc<Mutex<Reported>>;
 
 impl Reader {
     fn boxed(period: Option<Span>, seen: &Seen) -> Box<dyn Endpoint> {
@@ -266,12 +266,12 @@ impl Buses for WithPartners {
     }
 }
 
-/// A case on this board, with what is on its lines and what its endpoints were told.
+/// A case on this board, with what is on its lines and what its endpoints received.
 struct Bench {
     model: Model,
     parts: Parted,
     world: Arc<Mutex<World>>,
-    told: Seen,
+    reported: Seen,
 }
 
 impl Bench {
@@ -288,11 +288,11 @@ expect = [{{ state = {{ stays = \"RUNNING\", from = \"start\", until = \"end\" }
         let with = |board| -> Box<dyn Board> { Box::new(WithPartners { board, world: world.clone() }) };
         let (model, parts) =
             Texts(&texts).parts_on(1, |_| {}, with).unwrap_or_else(|found| panic!("{found:#?}"));
-        Bench { model, parts, world, told: Seen::default() }
+        Bench { model, parts, world, reported: Seen::default() }
     }
 
     fn attach(mut self, port: usize, period: Option<Span>) -> Bench {
-        assert!(self.model.attach_endpoint(port, Reader::boxed(period, &self.told)));
+        assert!(self.model.attach_endpoint(port, Reader::boxed(period, &self.reported)));
         self
     }
 
@@ -310,8 +310,8 @@ expect = [{{ state = {{ stays = \"RUNNING\", from = \"start\", until = \"end\" }
         self.world.lock().unwrap().received(at)
     }
 
-    fn told(&self) -> Told {
-        *self.told.lock().unwrap()
+    fn reported(&self) -> Reported {
+        *self.reported.lock().unwrap()
     }
 }
 
@@ -354,7 +354,7 @@ fn an_answer_comes_after_gap_and_processor_time_to_the_nanosecond() {
     assert_eq!(answers[0].first.earliest, asked + characters(2) + gap() + RequestCosts::RIG.of(2));
     assert_eq!(answers[0].data(), [0x12, 0x34, 0, 0]);
     assert!(answers[0].is_sound());
-    let Told { sent, free: Some((free, learned)), damaged, .. } = bench.told() else { panic!() };
+    let Reported { sent, free: Some((free, learned)), damaged, .. } = bench.reported() else { panic!() };
     assert_eq!((sent, damaged, learned), (1, 0, free), "it learns that its line is free as it is");
     assert_eq!(free - answers[0].first.earliest, characters(4));
 }
@@ -386,7 +386,7 @@ fn how_time_is_cut_does_not_show() {
         bench.parts.slice = slice;
         assert_eq!(bench.run().fault, None);
         let heard = std::mem::take(&mut bench.world.lock().unwrap().heard);
-        (bench.parts.recorder.trace().digest(), heard, bench.told())
+        (bench.parts.recorder.trace().digest(), heard, bench.reported())
     };
     let whole = run(Span::MAX);
     assert!(whole.2.sent > 40, "{:?}", whole.2);
@@ -415,7 +415,7 @@ fn a_damaged_request_gets_no_answer() {
     let request = SerialOutput::Characters { data: vec![5, 2], gap: Span::ZERO, flaw };
     let mut bench = Bench::new("", BOUND, ENDS).attach(SL1, None).says(start() + ms(105), request);
     assert_eq!(bench.run().fault, None);
-    assert_eq!((bench.told().damaged, bench.received(PARTNER).len()), (1, 0));
+    assert_eq!((bench.reported().damaged, bench.received(PARTNER).len()), (1, 0));
 }
 
 /// The partner speaks again while the controller answers: the listener hears what nobody said.
@@ -431,7 +431,7 @@ fn a_collision_damages_what_is_on_the_line() {
     let heard = bench.received(LISTENER);
     assert_eq!(heard[0].data(), [5, 40]);
     assert!(heard[1].errors.any() || heard[1].data()[..2] != [0x12, 0x34] || heard[1].data().len() != 80);
-    assert_eq!(bench.told().sent, 1);
+    assert_eq!(bench.reported().sent, 1);
 }
 
 /// The supply goes while the answer is on the line: it ends 4 ms later, the hold-up time, in the middle of it, and comes not
@@ -449,7 +449,7 @@ fn an_answer_breaks_off_with_the_supply() {
     assert!(answer.data().len() > 10 && answer.data().len() < 30, "{answer:?}");
     // A character that broke off is completed by the line at rest.
     assert!(answer.last.latest <= off + characters(1), "{} {off}", answer.last.latest);
-    assert_eq!(bench.told().sent, 0);
+    assert_eq!(bench.reported().sent, 0);
 }
 
 #[test]
@@ -482,7 +482,7 @@ fn what_the_bus_refuses_is_a_fault_of_the_case() {
     let fault = bench.run().fault;
     let expected = |fault: &RigFault| matches!(fault, RigFault::PortNotSent { bus, error: BoardError::BadFrame(LINE), .. } if bus == "line");
     assert!(fault.as_ref().is_some_and(expected), "{fault:?}");
-    assert!(bench.told().not_sent >= 5);
+    assert!(bench.reported().not_sent >= 5);
 }
 
 /// The loop allocates as little with requests in it as without.

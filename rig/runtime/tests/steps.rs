@@ -9,7 +9,7 @@ use std::sync::atomic::AtomicBool;
 
 const PLAN: &str = r#"
 format = 1
-title = "Steps hang on pulses of a train"
+title = "Steps depend on pulses of a train"
 program-text = "PROGRAM MAIN END_PROGRAM"
 signals = { in = "%IX0.0" }
 ends = "train.pulse[5] + 10 ms"

@@ -157,7 +157,7 @@ fn every_option_of_the_manual_exists() {
             let commands =
                 line.trim_start().strip_prefix("rig ").into_iter().filter(|_| line.starts_with("    "));
             let spans = code(line).filter(|code| code.starts_with("rig ") || code.starts_with("--"));
-            // What stands behind a `#` is no command, and what stands behind `;` or `&&` one of another program.
+            // What stands after a `#` is no command, and what stands after `;` or `&&` one of another program.
             let commands =
                 commands.chain(spans).map(|text| text.split([';', '#', '&']).next().unwrap_or(text));
             for option in commands.flat_map(options) {

@@ -64,7 +64,7 @@ const extent = (record) => {
     low = Math.min(low, lane.points[0].at[0]);
     high = Math.max(high, lane.points.at(-1).at[1]);
   }
-  // No further than the excerpts tell, where they end early.
+  // No further than the excerpts show, where they end early.
   const ends = record.lanes.map((lane) => lane.until_ns).filter(given);
   if (ends.length) high = Math.min(high, ...ends);
   return [low, Math.max(high, low + 1)];

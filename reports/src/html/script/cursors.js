@@ -99,7 +99,7 @@ class Cursors {
     return given(t) && this.scope.axis.shows(t) ? this.scope.axis.x(t) : null;
   }
 
-  // To the edge before or behind.
+  // To the edge before or after.
   step(way) {
     const axis = this.scope.axis;
     const list = this.edges();

@@ -20,7 +20,7 @@ const points = (flat) => {
   return out;
 };
 
-// The last instant of which a lane tells; nothing when it tells of all to the end of the case.
+// The last instant that a lane shows; nothing when it shows all to the end of the case.
 const known = (lane) => {
   const cut = lane.truncated && lane.points.length ? [lane.points.at(-1).at[1]] : [];
   const ends = given(lane.until_ns) ? [...cut, lane.until_ns] : cut;

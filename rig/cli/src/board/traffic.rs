@@ -106,14 +106,14 @@ mod tests {
         let (bus, at) = (BusId(0), Time::ZERO);
         let mut traffic = Traffic::default();
         let frame = CanFrame::classic(0x701, false, &[5]).unwrap();
-        let told = [
+        let reported = [
             BusEvent::CanFrame { bus, at: When::exactly(at), frame, own: false },
             BusEvent::Error { bus, at, error: BusError::NoAck },
             BusEvent::State { bus, at, state: BusState::ErrorPassive },
             BusEvent::Dropped { bus, at, count: 3 },
         ]
         .map(|event| traffic.take(&event));
-        assert_eq!(told, ["701#05", "nobody acknowledges", "error-passive", "3 missed"]);
+        assert_eq!(reported, ["701#05", "nobody acknowledges", "error-passive", "3 missed"]);
         let of = Bus {
             name: "machine".into(),
             kind: BusKind::Can { bitrate: 500_000, data_bitrate: None },

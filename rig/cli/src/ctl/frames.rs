@@ -2,7 +2,7 @@
 
 use super::CtlError;
 use super::commands;
-use super::show::{seconds, tell};
+use super::show::{print_text, seconds};
 use super::watch::host;
 use crate::exit::Exit;
 use crate::output;
@@ -46,7 +46,7 @@ pub fn run(client: &mut Client, args: &FramesArgs) -> Result<Exit, CtlError> {
         Event::Frame { frame, .. } if wanted(args, frame) => {
             left = left.map(|left| left - 1);
             let text = if args.json { format!("{}\n", json!(frame)) } else { line(frame) };
-            tell(&text) && left != Some(0)
+            print_text(&text) && left != Some(0)
         }
         Event::Missed { lines, .. } => {
             output::note(&format!("{lines} frames were left out"));

@@ -1,7 +1,7 @@
 //! `rig ctl log`.
 
 use super::CtlError;
-use super::show::{seconds, tell};
+use super::show::{print_text, seconds};
 use super::watch::host;
 use crate::exit::Exit;
 use crate::output;
@@ -31,12 +31,12 @@ pub struct LogArgs {
 pub fn run(client: &mut Client, args: &LogArgs) -> Result<Exit, CtlError> {
     let begun: Subscribed = client.ask(Operation::Subscribe { topic: Topic::Log })?;
     let first = args.lines.map_or(0, |lines| begun.log.len().saturating_sub(lines));
-    let mut open = begun.log.iter().skip(first).all(|line| tell(&shown(line.at, &line.text)));
+    let mut open = begun.log.iter().skip(first).all(|line| print_text(&shown(line.at, &line.text)));
     let until = args.lasts.map(|lasts| Instant::now() + host(lasts));
     while open && (args.follow || until.is_some()) && until.is_none_or(|until| Instant::now() < until) {
         let left = until.map_or(WAIT, |until| until.saturating_duration_since(Instant::now()).min(WAIT));
         match client.next(left)? {
-            Some(Event::Log { at, text, .. }) => open = tell(&shown(at, &text)),
+            Some(Event::Log { at, text, .. }) => open = print_text(&shown(at, &text)),
             Some(Event::Missed { lines, .. }) => output::note(&format!("{lines} lines were left out")),
             _ => {}
         }

@@ -1,6 +1,6 @@
 //! `rig ctl plans` and `rig ctl plan`: cases on the board of a rig that runs.
 
-use super::show::{seconds, tell};
+use super::show::{print_text, seconds};
 use super::{CtlError, commands, interrupt};
 use crate::exit::Exit;
 use crate::output;
@@ -60,9 +60,13 @@ pub fn run(client: &mut Client, args: &PlanArgs) -> Result<Exit, CtlError> {
             client.ask_within::<Done>(Operation::Abort, PATIENCE)?;
         }
         match client.next(LOOK_UP)? {
-            Some(Event::Plan { told, .. }) => {
-                tell(&if args.json { format!("{}\n", json!(told)) } else { text_of_plan.shown(&told) });
-                if let PlanEvent::Over { verdict, .. } = told {
+            Some(Event::Plan { event, .. }) => {
+                print_text(&if args.json {
+                    format!("{}\n", json!(event))
+                } else {
+                    text_of_plan.shown(&event)
+                });
+                if let PlanEvent::Over { verdict, .. } = event {
                     return Ok(if aborted { Exit::Interrupted } else { exit_of(&verdict) });
                 }
             }
@@ -86,8 +90,8 @@ struct PlanText {
 
 impl PlanText {
     /// An event, for a person.
-    fn shown(&mut self, told: &PlanEvent) -> String {
-        match told {
+    fn shown(&mut self, event: &PlanEvent) -> String {
+        match event {
             PlanEvent::Case { name, place, steps, .. } => {
                 self.steps.clone_from(steps);
                 format!("{name} ({} of {})\n", place.0, place.1)

@@ -1,6 +1,6 @@
 //! `rig ctl raw`: the protocol as it is.
 
-use super::show::tell;
+use super::show::print_text;
 use super::{CtlError, exit_of};
 use crate::exit::Exit;
 use crate::output;
@@ -68,7 +68,7 @@ fn receive(stream: UnixStream, socket: &Path) -> Result<Exit, CtlError> {
         };
         let text = String::from_utf8_lossy(&line);
         refused |= serde_json::from_str::<Json>(&text).is_ok_and(|line| line.get("error").is_some());
-        if !tell(&format!("{text}\n")) {
+        if !print_text(&format!("{text}\n")) {
             break;
         }
     }

@@ -6,10 +6,10 @@ use signal::{Span, Value};
 use std::io::{ErrorKind, Write};
 
 /// Prints a piece of what goes on and on; `false` where nobody reads it any more.
-pub fn tell(text: &str) -> bool {
+pub fn print_text(text: &str) -> bool {
     let mut out = std::io::stdout();
-    let told = out.write_all(text.as_bytes()).and_then(|()| out.flush());
-    !matches!(told, Err(error) if error.kind() == ErrorKind::BrokenPipe)
+    let written = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    !matches!(written, Err(error) if error.kind() == ErrorKind::BrokenPipe)
 }
 
 /// Prints JSON for a program, on several lines.

@@ -2,7 +2,7 @@
 
 use super::CtlError;
 use super::commands;
-use super::show::{self, field, quoted, seconds, tell};
+use super::show::{self, field, print_text, quoted, seconds};
 use crate::exit::Exit;
 use crate::output;
 use clap::Args;
@@ -66,7 +66,7 @@ pub fn run(client: &mut Client, args: &WatchArgs) -> Result<Exit, CtlError> {
         wide: 0,
     };
     view.wide = view.signals.iter().map(|signal| signal.name.chars().count()).max().unwrap_or_default();
-    let mut open = view.form != WatchFormat::Csv || tell("earliest_ns,latest_ns,signal,value\n");
+    let mut open = view.form != WatchFormat::Csv || print_text("earliest_ns,latest_ns,signal,value\n");
     open &= view.changes(&begun.values, false);
     if !open {
         return Ok(Exit::Passed);
@@ -151,7 +151,7 @@ impl WatchOutput {
                 self.left = self.left.map(|left| left - u64::from(counted));
             }
         }
-        tell(&text) && self.left != Some(0)
+        print_text(&text) && self.left != Some(0)
     }
 }
 

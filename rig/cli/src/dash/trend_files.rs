@@ -55,7 +55,7 @@ impl TrendFiles for HostTrendFiles {
 
     fn load(&self, path: &str) -> Result<TrendRecording, Fault> {
         let failed =
-            |what: String, mend: &str| fault(NOT_READ, format!("`{path}` cannot be read: {what}"), mend);
+            |what: String, help: &str| fault(NOT_READ, format!("`{path}` cannot be read: {what}"), help);
         let other = "name a value change dump, a table with a column of instants, or a sigrok session";
         let file = File::open(path).map_err(|error| failed(error.to_string(), other))?;
         let mut bytes = Vec::new();

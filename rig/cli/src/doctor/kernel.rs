@@ -40,7 +40,7 @@ fn kind(machine: &Machine) -> Check {
         _ => None,
     };
     // Kernels of Raspberry Pi OS name the board, whatever the distribution calls itself.
-    let mended = if release.contains("-rpi-") && machine.architecture() == "aarch64" {
+    let fixable = if release.contains("-rpi-") && machine.architecture() == "aarch64" {
         check.fix(
             "sudo apt install linux-image-rpi-v8-rt && echo kernel=kernel8_rt.img | \
              sudo tee -a /boot/firmware/config.txt",
@@ -52,7 +52,7 @@ fn kind(machine: &Machine) -> Check {
     } else {
         return check;
     };
-    mended.then("restart the machine")
+    fixable.then("restart the machine")
 }
 
 fn resolution(machine: &Machine) -> Check {

@@ -99,7 +99,7 @@ fn load(
     Ok((loaded, seed))
 }
 
-/// What tells a case from the others of its plan: `[row]` of `folder/plan[row]`.
+/// What distinguishes a case from the others of its plan: `[row]` of `folder/plan[row]`.
 fn own_part(name: &str) -> &str {
     name.find('[').map_or("", |at| &name[at..])
 }
@@ -115,13 +115,13 @@ fn choose(
         |key: &str| capture.notes.iter().find(|(known, _)| known == key).map(|(_, value)| value.as_str());
     let cases: Vec<Case> = loaded.plan.cases().collect();
     let wanted = args.capture.case.as_deref();
-    let told = note("plan-case").map(own_part);
-    let chosen = cases.iter().position(|case| match (wanted, told) {
+    let noted = note("plan-case").map(own_part);
+    let chosen = cases.iter().position(|case| match (wanted, noted) {
         (Some(wanted), _) => {
             let part = own_part(&case.name);
             case.name == wanted || part == wanted || part == format!("[{wanted}]")
         }
-        (None, Some(told)) => own_part(&case.name) == told,
+        (None, Some(noted)) => own_part(&case.name) == noted,
         (None, None) => cases.len() == 1,
     });
     let Some(number) = chosen else {

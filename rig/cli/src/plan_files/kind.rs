@@ -18,7 +18,7 @@ pub enum FileKind {
     Neither,
 }
 
-/// Tells by the keys at the top level, line by line: a file that is no TOML yet must be recognised, too. A key that stands
+/// Recognises it by the keys at the top level, line by line: a file that is no TOML yet must be recognised, too. A key that stands
 /// wrongly in a plan or a board file does not make it the other.
 pub fn of(text: &str) -> FileKind {
     let mut counts = KeyCounts::default();

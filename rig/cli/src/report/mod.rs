@@ -59,7 +59,7 @@ fn draw(args: &ReportArgs) -> Result<Exit, Vec<Diagnostic>> {
         store.record(&run.record).map_err(unwritten)?;
     }
     store.reports(&run.record, forms).map_err(unwritten)?;
-    told(&store, forms);
+    print_written(&store, forms);
     Ok(Exit::Passed)
 }
 
@@ -84,12 +84,12 @@ fn merge_all(args: &ReportArgs, forms: &[ReportFormat]) -> Result<Exit, Vec<Diag
     store.reports(&whole, forms).map_err(unwritten)?;
     let style = reports::text::Style { color: output::color_out(), quiet: false };
     output::print(&format!("{}\n", reports::text::summary(&whole, style).trim_end()));
-    told(&store, forms);
+    print_written(&store, forms);
     Ok(Exit::of(whole.verdict()))
 }
 
 /// Says where the page is, or whatever was drawn first.
-fn told(store: &ReportFolder, forms: &[ReportFormat]) {
+fn print_written(store: &ReportFolder, forms: &[ReportFormat]) {
     let name = forms.first().map_or("", |form| match form {
         ReportFormat::Html => "index.html",
         ReportFormat::Junit => "junit.xml",

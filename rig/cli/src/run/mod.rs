@@ -123,13 +123,13 @@ fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<Exit, Vec<Di
         ..RunOptions::new(if stepped { ClockKind::Virtual } else { ClockKind::Real }, &INTERRUPT)
     };
     let settings = SoftPlcSettings { duration: lasts, booted: args.booted };
-    let (tell, told) = mpsc::sync_channel(WAITING);
+    let (sender, events) = mpsc::sync_channel(WAITING);
     let played = std::thread::scope(|scope| {
         let controller = scope.spawn(|| {
-            let tell = tell;
-            live::run_with_plans(&case, &files, &options, settings, &slot, &tell)
+            let sender = sender;
+            live::run_with_plans(&case, &files, &options, settings, &slot, &sender)
         });
-        show(&told, &notifier);
+        show(&events, &notifier);
         controller.join()
     });
     if let Some(serving) = serving {
@@ -219,10 +219,10 @@ fn seconds(at: Time) -> f64 {
 }
 
 /// Prints what the controller reports until it ends.
-fn show(told: &Receiver<SoftPlcEvent>, notifier: &ServiceNotifier) {
+fn show(events: &Receiver<SoftPlcEvent>, notifier: &ServiceNotifier) {
     let line = |at: Time, text: &str| output::print(&format!("{:>12.3} s  {text}\n", seconds(at)));
-    for told in told {
-        match told {
+    for event in events {
+        match event {
             SoftPlcEvent::Ready => {
                 line(Time::ZERO, "ready");
                 notifier.ready();

@@ -32,7 +32,7 @@ pub enum ClientError {
 }
 
 impl ClientError {
-    /// The error as a rig would tell it: code, message and mend.
+    /// The error as a rig would report it: code, message and help.
     pub fn fault(&self) -> Fault {
         let fault = |code: &str, message: String, help: &str| Fault {
             code: code.to_owned(),
@@ -40,7 +40,7 @@ impl ClientError {
             help: help.to_owned(),
         };
         match self {
-            ClientError::Refused(told) => told.clone(),
+            ClientError::Refused(fault) => fault.clone(),
             ClientError::NoRig(folders) => fault(
                 "R0640",
                 format!("no rig runs: there is no socket that answers in {}", list(folders)),
@@ -53,7 +53,7 @@ impl ClientError {
             ),
             ClientError::Unreachable(socket, kind) => {
                 let help = match kind {
-                    ErrorKind::NotFound => "start the rig, or name the socket that its first lines tell",
+                    ErrorKind::NotFound => "start the rig, or name the socket that its first lines name",
                     ErrorKind::ConnectionRefused => {
                         "its rig is gone without removing it: start the rig again, which takes the socket over"
                     }

@@ -25,7 +25,7 @@ pub enum LineError {
 }
 
 impl LineError {
-    /// As the client tells it.
+    /// As the client reports it.
     pub fn of(self, socket: &Path) -> ClientError {
         match self {
             LineError::Lost => ClientError::Lost(socket.to_owned()),

@@ -1,4 +1,4 @@
-//! What a rig is: told once, when somebody connects or asks.
+//! What a rig is: reported once, when somebody connects or asks.
 
 use serde::{Deserialize, Serialize};
 
@@ -190,7 +190,7 @@ pub struct FunctionInfo {
     pub name: String,
     /// Its kind in words, as in `HSC main, dual phase x4` or `PTO`.
     pub kind: String,
-    /// The signals of its facts, most telling first.
+    /// The signals of its facts, most important first.
     pub signals: Vec<String>,
     /// The terminals that it has, as in `I0`.
     pub terminals: Vec<String>,

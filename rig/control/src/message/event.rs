@@ -1,11 +1,11 @@
-//! What a rig tells.
+//! What a rig reports.
 
 use crate::WireValue;
 use crate::message::{PlanEvent, Status};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
-/// A line of a rig, behind its greeting. [`Message::read`] reads it.
+/// A line of a rig, after its greeting. [`Message::read`] reads it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Message {
@@ -21,7 +21,7 @@ impl Message {
     /// # Errors
     /// What no rig sends.
     pub fn read(line: &[u8]) -> Result<Option<Message>, serde_json::Error> {
-        // Only this tells an event from an answer, of which each field may be missing.
+        // Only this distinguishes an event from an answer, of which each field may be missing.
         #[derive(Deserialize)]
         struct Kind<'a> {
             #[serde(borrow)]
@@ -56,7 +56,7 @@ pub struct Fault {
     pub code: String,
     /// What is wrong.
     pub message: String,
-    /// How to mend it; empty where nothing helps.
+    /// How to fix it; empty where nothing helps.
     #[serde(default)]
     pub help: String,
 }
@@ -71,7 +71,7 @@ pub enum Event {
         subscription: u64,
         /// The changes in their order.
         changes: Vec<Change>,
-        /// Changes that this client was not told of since the last message, because it did not read in time.
+        /// Changes that were not reported to this client since the last message, because it did not read in time.
         #[serde(default)]
         missed: u64,
     },
@@ -103,7 +103,8 @@ pub enum Event {
         /// The subscription.
         subscription: u64,
         /// How.
-        told: PlanEvent,
+        #[serde(rename = "told")]
+        event: PlanEvent,
     },
     /// Lines of a subscription other than signals were left out, because this client did not read in time.
     Missed {
@@ -112,7 +113,7 @@ pub enum Event {
         /// How many.
         lines: u64,
     },
-    /// The rig ends, or ends this connection. Nothing comes behind it.
+    /// The rig ends, or ends this connection. Nothing comes after it.
     Gone {
         /// Why.
         why: String,

@@ -21,7 +21,7 @@ impl PlanStatus {
     }
 }
 
-/// What a plan that runs tells.
+/// What a plan that runs reports.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "plan", rename_all = "kebab-case")]
 pub enum PlanEvent {

@@ -4,7 +4,7 @@ use crate::WireValue;
 use crate::message::{Change, PlanEvent, Signal};
 use serde::{Deserialize, Serialize};
 
-/// The reply to what has nothing to tell: `{}`.
+/// The reply to what has nothing to report: `{}`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Done {}
 
@@ -29,7 +29,7 @@ pub struct Subscribed {
     /// The last lines of the log so far.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub log: Vec<LogLine>,
-    /// What the case that runs has told so far.
+    /// What the case that runs has reported so far.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub plan: Vec<PlanEvent>,
 }

@@ -77,17 +77,17 @@ pub enum Operation {
         #[serde(default)]
         path: Option<String>,
     },
-    /// Runs cases on the board in place of the controller, which is stopped with safe outputs before and started anew
-    /// behind. Answered when it begins; its course is told to those who subscribe to [`Topic::Plan`].
+    /// Runs cases on the board in place of the controller, which is stopped with safe outputs before and started again
+    /// after. Answered when it begins; its course is reported to those who subscribe to [`Topic::Plan`].
     Plan {
-        /// The case, or the plan with all its cases, by its name as [`Operation::Plans`] tells it.
+        /// The case, or the plan with all its cases, by its name as [`Operation::Plans`] reports it.
         name: String,
     },
     /// Ends the plan that runs.
     Abort,
     /// Freezes what was commissioned: nothing can be written, forced, commanded or run until it is unlocked.
     Lock {
-        /// A word on why; told to whoever is refused.
+        /// A word on why; reported to whoever is refused.
         #[serde(default)]
         note: String,
     },

@@ -1,4 +1,4 @@
-//! How a rig is: told again and again.
+//! How a rig is: reported again and again.
 
 use crate::WireValue;
 use crate::message::PlanStatus;
@@ -144,7 +144,7 @@ pub struct RigStatus {
     pub overruns: u64,
     /// Events that boards missed.
     pub dropped: u64,
-    /// Changes that no client was told of, because they came faster than they could be taken.
+    /// Changes that were reported to no client, because they came faster than they could be taken.
     pub untold: u64,
     /// Its threads have real-time priority.
     pub realtime: bool,

@@ -259,7 +259,7 @@ impl Shell {
             Event::Status { status, .. } => self.model.take_status(*status),
             Event::Log { at, text, .. } => self.model.take_log(at, text),
             Event::Frame { frame, .. } => self.model.take_frame(frame),
-            Event::Plan { told, .. } => self.model.plan_event(told),
+            Event::Plan { event, .. } => self.model.plan_event(event),
             Event::Missed { lines, .. } => {
                 self.say(format!("{lines} lines of the rig were not sent: they came too fast"));
             }

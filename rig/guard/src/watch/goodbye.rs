@@ -1,4 +1,4 @@
-//! The guard alone, behind the death of its rig, and its end.
+//! The guard alone, after the death of its rig, and its end.
 
 use super::{Ending, Watch, WatchState, say};
 use crate::Reason;
@@ -27,19 +27,19 @@ impl Watch<'_> {
         (over && !hangs && !bites && self.said).then_some(if safe { Ending::LetGo } else { Ending::Unsafe })
     }
 
-    /// Tells the user, who sees of the rig only that it is gone.
+    /// Reports to the user, who sees of the rig only that it is gone.
     fn say(&self, safe: bool, since: HostInstant) {
         let Some(reason) = self.page.latched() else { return };
         if self.drivers.is_empty() {
             // A rig that the guard has killed cannot say so itself.
             if reason == Reason::Unresponsive {
-                say::tell(&say::no_outputs(reason));
+                say::report(&say::no_outputs(reason));
             }
             return;
         }
         let (latched, found) = self.page.times();
         let devices: Vec<&str> = self.drivers.iter().map(|driver| driver.device.as_str()).collect();
-        say::tell(&if safe {
+        say::report(&if safe {
             say::safe(
                 reason,
                 &devices,

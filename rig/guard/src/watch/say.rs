@@ -33,7 +33,7 @@ pub(super) fn not_safe(reason: Reason, why: &str, watchdog: bool) -> String {
 }
 
 /// Says it, unless nobody can read it now: a full pipe or a stopped terminal must not hold the guard.
-pub(super) fn tell(text: &str) {
+pub(super) fn report(text: &str) {
     let (said, at_once) = (std::io::stderr(), Timespec::default());
     let mut room = [PollFd::from_borrowed_fd(said.as_fd(), PollFlags::OUT)];
     if poll(&mut room, Some(&at_once)).is_ok_and(|count| count > 0) {

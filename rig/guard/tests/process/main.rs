@@ -1,7 +1,7 @@
 //! Guard and rig as processes, with files in place of lines: whatever becomes of the rig, the levels in the files
 //! become safe and stay so.
 //!
-//! This program plays all parts: without arguments of its own it is the test, as `rig` it does what it is told, and
+//! This program plays all parts: without arguments of its own it is the test, as `rig` it does what it is asked, and
 //! as `guard` it is the guard.
 
 mod files;

@@ -95,10 +95,10 @@ fn stays(folder: &Path, devices: &[String]) -> String {
 
 fn live(guard: &GuardHandle) -> String {
     let over = Arc::new(AtomicBool::new(false));
-    let told = over.clone();
+    let reported = over.clone();
     std::thread::spawn(move || {
         let _ = std::io::stdin().read(&mut [0]);
-        told.store(true, Ordering::Release);
+        reported.store(true, Ordering::Release);
     });
     say("lives");
     let every = Duration::from_nanos(guard.beat_every().as_nanos().unsigned_abs());

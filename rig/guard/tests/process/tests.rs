@@ -26,7 +26,7 @@ const TESTS: &[Test] = &[
         "a_device_that_hangs_keeps_no_other_from_being_safe",
         a_device_that_hangs_keeps_no_other_from_being_safe,
     ),
-    ("a_rig_that_was_told_it_may_drive_is_not_undone", a_rig_that_was_told_it_may_drive_is_not_undone),
+    ("a_rig_that_may_drive_is_not_undone", a_rig_that_may_drive_is_not_undone),
     ("lines_that_the_guard_cannot_drive_are_refused", lines_that_the_guard_cannot_drive_are_refused),
     (
         "outputs_that_are_not_safe_when_they_should_be_latch",
@@ -57,7 +57,7 @@ pub fn run(words: &[String]) -> ExitCode {
 struct Rig {
     folder: PathBuf,
     process: Child,
-    told: Option<ChildStdin>,
+    reported: Option<ChildStdin>,
     says: BufReader<ChildStdout>,
 }
 
@@ -79,9 +79,9 @@ impl Rig {
             .stderr(File::create(folder.join("said")).unwrap())
             .spawn()
             .unwrap();
-        let told = process.stdin.take();
+        let reported = process.stdin.take();
         let says = BufReader::new(process.stdout.take().unwrap());
-        Rig { folder, process, told, says }
+        Rig { folder, process, reported, says }
     }
 
     /// The next line that it says.
@@ -106,9 +106,9 @@ impl Rig {
         kill_process(Pid::from_child(&self.process), signal).unwrap();
     }
 
-    /// Lets it go on behind `live` or `hang`.
+    /// Lets it go on after `live` or `hang`.
     fn go_on(&mut self) {
-        self.told = None;
+        self.reported = None;
     }
 
     fn end(&mut self) -> ExitStatus {
@@ -229,7 +229,7 @@ fn nothing_is_expected_of_a_rig_that_does_not_drive() {
     rig.until("lives");
     rig.go_on();
     rig.until("hangs");
-    // Standard input is at its end, so every wait behind is over at once: what counts is that the rig lives on.
+    // Standard input is at its end, so every wait after is over at once: what counts is that the rig lives on.
     assert!(rig.end().success(), "{}", rig.said());
     let mut rig = Rig::start("silent", 0, "valve hold hang close");
     rig.until("hangs");
@@ -248,8 +248,8 @@ fn a_device_that_hangs_keeps_no_other_from_being_safe() {
     rig.becomes_safe("slow-expander");
 }
 
-/// A drive that the guard had ordered before it answered must not come behind the answer.
-fn a_rig_that_was_told_it_may_drive_is_not_undone() {
+/// A drive that the guard had ordered before it answered must not come after the answer.
+fn a_rig_that_may_drive_is_not_undone() {
     let turns = 60;
     let words = "arm drive stays safe disarm ".repeat(turns);
     let mut rig = Rig::start("told", 0, &format!("tardy hold {words}close"));
@@ -286,7 +286,7 @@ fn a_rig_that_asks_stays_alive() {
     rig.until("drove");
     assert_eq!(rig.says(), "done");
     rig.until("hangs");
-    // What the rig wrote behind its request does not stay.
+    // What the rig wrote after its request does not stay.
     rig.becomes_safe("valve");
     rig.go_on();
     rig.until("hung");

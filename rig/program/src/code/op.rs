@@ -328,9 +328,9 @@ pub(crate) enum Op {
     GreaterElement32,
     GreaterEqualElement32,
     /// `d` bytes after the address at `a` stands `b`.
-    Behind8,
-    Behind16,
-    Behind32,
+    ToOffset8,
+    ToOffset16,
+    ToOffset32,
     /// The address of an element of `b` bytes.
     Element,
     /// Pairs of operations. `a` is `b`, and `c` the constant `d`.

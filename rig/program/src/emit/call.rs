@@ -133,12 +133,12 @@ impl Emitter<'_, '_, '_> {
         match instance {
             Instance::Address { slot, offset } if dynamic => {
                 let of = Operand::new(AddressBase::Indirect, slot.offset());
-                let behind = place.offset.saturating_sub(offset);
-                if behind == 0 {
+                let after = place.offset.saturating_sub(offset);
+                if after == 0 {
                     return (of, 0);
                 }
                 let pin = self.temporary(Ty::Address);
-                self.behind(of, behind, pin, 0, place.at);
+                self.address_at_offset(of, after, pin, 0, place.at);
                 (Operand::new(AddressBase::Indirect, pin.offset()), 0)
             }
             _ => self.place(place),

@@ -45,7 +45,7 @@ impl Emitter<'_, '_, '_> {
         let mut of = of;
         if offset > 0 {
             // The operation for indices finds an address that is none before the offset hides it.
-            self.behind(of, offset, slot, std::mem::take(&mut cost), place.at);
+            self.address_at_offset(of, offset, slot, std::mem::take(&mut cost), place.at);
             of = Operand::new(AddressBase::Indirect, slot.offset());
         }
         for index in &place.indices {
@@ -56,7 +56,14 @@ impl Emitter<'_, '_, '_> {
     }
 
     /// Puts the address of what stands `offset` bytes after a place into a slot of the frame.
-    pub(super) fn behind(&mut self, of: Operand, offset: u32, slot: Operand, cost: u32, at: SourcePlace) {
+    pub(super) fn address_at_offset(
+        &mut self,
+        of: Operand,
+        offset: u32,
+        slot: Operand,
+        cost: u32,
+        at: SourcePlace,
+    ) {
         let zero = self.constant(0, Ty::Scalar(Elementary::Usint));
         let entry = self.indexes.len() as u32;
         self.indexes.push(IndexOf { of, low: -i64::from(offset), high: 0, stride: 1 });

@@ -82,13 +82,13 @@ fn read<'a>(map: &'a [u8], image: &[u8]) -> Option<Vec<AdoptedEntry<'a>>> {
     let mut entries = Vec::new();
     while !rest.is_empty() {
         let mut number = || {
-            let (number, behind) = rest.split_first_chunk::<4>()?;
-            rest = behind;
+            let (number, after) = rest.split_first_chunk::<4>()?;
+            rest = after;
             Some(u32::from_le_bytes(*number) as usize)
         };
         let (first, bytes, length) = (number()?, number()?, number()?);
-        let (name, behind) = rest.split_at_checked(length)?;
-        rest = behind;
+        let (name, after) = rest.split_at_checked(length)?;
+        rest = after;
         if first.checked_add(bytes)? > image.len() {
             return None;
         }

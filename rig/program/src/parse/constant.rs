@@ -118,7 +118,7 @@ impl Parser<'_, '_, '_> {
         Ok(self.literal(Code::Text, at, read, |(wide, units)| ExprKind::Text { wide, units, typed }))
     }
 
-    /// Behind `INT#` and the like: a number with or without a sign.
+    /// After `INT#` and the like: a number with or without a sign.
     fn typed_number(&mut self, start: SourcePlace, ty: Elementary) -> Parsed<ExprKind> {
         let negative = self.accept(Token::Minus);
         if !negative {

@@ -246,7 +246,7 @@ impl Parser<'_, '_, '_> {
         Ok(())
     }
 
-    /// Behind the end of a broken method, property or action, or before the next.
+    /// After the end of a broken method, property or action, or before the next.
     fn skip_part(&mut self, start: SourcePlace) {
         if self.at() == start {
             self.advance();

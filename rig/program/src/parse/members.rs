@@ -133,7 +133,7 @@ impl Parser<'_, '_, '_> {
         })
     }
 
-    /// Behind the next semicolon or before `close`, past whole structures; FALSE where the variables seem to have
+    /// After the next semicolon or before `close`, past whole structures; FALSE where the variables seem to have
     /// ended.
     fn recover_in_members(&mut self, close: Word, start: SourcePlace) -> bool {
         if self.at() == start && !self.at_word(close) {

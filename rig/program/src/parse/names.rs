@@ -3,7 +3,7 @@
 use super::ast::Key;
 use super::words::Word;
 
-/// The names of a compilation. The words of the language come first, so that a key tells whether it is one.
+/// The names of a compilation. The words of the language come first, so that a key shows whether it is one.
 #[derive(Debug)]
 pub(crate) struct NameTable {
     /// The capitals of all names, one after the other.

@@ -6,7 +6,7 @@ use super::{Parsed, Parser, Reported};
 use crate::findings::SourcePlace;
 
 impl Parser<'_, '_, '_> {
-    /// Behind the bracket that closes the one here.
+    /// After the bracket that closes the one here.
     pub(super) fn skip_brackets(&mut self) {
         let mut depth = 0usize;
         while !self.is(Token::End) && !self.is(Token::Semicolon) {
@@ -22,7 +22,7 @@ impl Parser<'_, '_, '_> {
         }
     }
 
-    /// Behind `close`, of which the text may not run short.
+    /// After `close`, of which the text may not run short.
     pub(super) fn skip_past(&mut self, close: Word, open: SourcePlace) {
         while !self.accept_word(close) {
             if self.is(Token::End) {

@@ -83,7 +83,7 @@ impl Parser<'_, '_, '_> {
         }
     }
 
-    /// Behind the next semicolon, or before the next word that starts a statement or ends a list. `start` is where
+    /// After the next semicolon, or before the next word that starts a statement or ends a list. `start` is where
     /// the bad statement began: something is always skipped.
     fn recover(&mut self, start: SourcePlace) {
         if self.at() == start && !self.is(Token::Semicolon) {
@@ -221,7 +221,7 @@ impl Parser<'_, '_, '_> {
         })
     }
 
-    /// Behind `word`, or to where the statements inside seem to start.
+    /// After `word`, or to where the statements inside seem to start.
     fn recover_in_head(&mut self, word: Word) {
         while !self.is(Token::Semicolon) && !self.list_ends() {
             let stops =

@@ -32,7 +32,7 @@ impl Parser<'_, '_, '_> {
         Ok(())
     }
 
-    /// Behind the declaration that could not be read, with the members of its structure.
+    /// After the declaration that could not be read, with the members of its structure.
     fn recover_in_types(&mut self, start: SourcePlace) {
         if self.at() == start && !self.at_word(Word::EndType) {
             self.advance();

@@ -98,7 +98,7 @@ impl ProgramMemory<'_> {
             match a.cmp(&b) {
                 Ordering::Less => return Some(-1),
                 Ordering::Greater => return Some(1),
-                // Behind the longer storage both are 0.
+                // After the longer storage both are 0.
                 Ordering::Equal if a == 0 => return Some(0),
                 Ordering::Equal => {}
             }

@@ -1,4 +1,4 @@
-//! Arrays of variable length, `ARRAY[*]`: in-outs that bring their bounds along. Behind the address of the array the
+//! Arrays of variable length, `ARRAY[*]`: in-outs that bring their bounds along. After the address of the array the
 //! slot of such an in-out holds two DINT for each dimension, the lower and the upper bound.
 
 use super::Sema;

@@ -107,10 +107,10 @@ fn local(name: &str) -> &str {
 /// The value of `Name` in a tag.
 fn attribute(tag: &str) -> &str {
     let value = |key: &str| {
-        let (before, behind) = tag.split_once(key)?;
+        let (before, after) = tag.split_once(key)?;
         before.ends_with(char::is_whitespace).then_some(())?;
-        let quote = behind.chars().next()?;
-        behind.get(1..)?.split(quote).next()
+        let quote = after.chars().next()?;
+        after.get(1..)?.split(quote).next()
     };
     value("Name=").or_else(|| value("name=")).unwrap_or("")
 }
@@ -119,17 +119,17 @@ fn attribute(tag: &str) -> &str {
 fn unescaped(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
     let mut rest = text;
-    while let Some((before, behind)) = rest.split_once('&') {
+    while let Some((before, after)) = rest.split_once('&') {
         plain.push_str(before);
-        let known = behind.split_once(';').and_then(|(name, behind)| Some((character(name)?, behind)));
+        let known = after.split_once(';').and_then(|(name, after)| Some((character(name)?, after)));
         rest = match known {
-            Some((c, behind)) => {
+            Some((c, after)) => {
                 plain.push(c);
-                behind
+                after
             }
             None => {
                 plain.push('&');
-                behind
+                after
             }
         };
     }

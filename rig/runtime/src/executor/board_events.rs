@@ -21,7 +21,7 @@ impl Executor<'_> {
         self.buffers.polled = events;
         polled.map_err(|error| RigFault::Board { at: now, error })?;
         self.poll_buses(now)?;
-        // A line may have told the subject's state.
+        // A line may have shown the subject's state.
         self.apply()
     }
 

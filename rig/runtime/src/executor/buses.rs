@@ -6,7 +6,7 @@ use drivers::{BoardExt, BusError, BusEvent, BusId, LossReason};
 use signal::{CanFrame, Cause, Time, When};
 
 impl Executor<'_> {
-    /// What the buses told up to now.
+    /// What the buses reported up to now.
     pub(super) fn poll_buses(&mut self, now: Time) -> Result<(), RigFault> {
         if self.parts.board.bus_list().is_empty() {
             return Ok(());
@@ -28,7 +28,7 @@ impl Executor<'_> {
             BusEvent::Lost { at, reason, .. } if reason != LossReason::Injected => {
                 self.bus_lost(at, event.bus(), reason);
             }
-            // A modelled controller that goes off its bus was told to, by a plan.
+            // A modelled controller that goes off its bus was commanded to, by a plan.
             BusEvent::State { at, bus, state } if self.pacing.has_wires() => {
                 self.bus_state_changed(at, bus, state)
             }

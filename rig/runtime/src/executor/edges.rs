@@ -60,16 +60,16 @@ impl PendingEdges {
         self.asked[place] += 1;
     }
 
-    /// Whether the channel owes an edge.
-    fn owes(&self, channel: ChannelId) -> bool {
+    /// Whether an edge of the channel is still to come.
+    fn awaits(&self, channel: ChannelId) -> bool {
         self.asked.get(usize::from(channel.0)).is_some_and(|asked| *asked > 0)
     }
 
     /// Nothing of it is waited for any more. Whether it had followed before.
     fn forget(&mut self, channel: ChannelId) -> bool {
         let place = usize::from(channel.0);
-        let owed = std::mem::take(&mut self.asked[place]) > 0;
-        std::mem::take(&mut self.followed[place]) && owed
+        let awaited = std::mem::take(&mut self.asked[place]) > 0;
+        std::mem::take(&mut self.followed[place]) && awaited
     }
 }
 
@@ -114,7 +114,7 @@ impl Executor<'_> {
             self.awaited.edges.late =
                 self.awaited.edges.late.max(self.now - begun.saturating_add(planned.lasts));
         }
-        if !generator.channels().any(|channel| self.awaited.edges.owes(channel)) {
+        if !generator.channels().any(|channel| self.awaited.edges.awaits(channel)) {
             return false;
         }
         let until = self.actual.saturating_add(self.limits.late);
@@ -150,9 +150,9 @@ impl Executor<'_> {
         for place in (0..self.awaited.edges.ending.len()).rev() {
             let (step, until) = self.awaited.edges.ending[place];
             let Some(generator) = &self.parts.schedule.steps()[step].generator else { continue };
-            let owed = generator.channels().any(|channel| self.awaited.edges.owes(channel));
+            let awaited = generator.channels().any(|channel| self.awaited.edges.awaits(channel));
             let over = self.actual >= until || self.report.fault.is_some();
-            if owed && !over {
+            if awaited && !over {
                 continue;
             }
             let mut late = false;
@@ -187,7 +187,7 @@ impl Executor<'_> {
         }
     }
 
-    /// The subject turns an output that it has turned already since the board was told: both are edges.
+    /// The subject turns an output that it has turned already since the board was commanded: both are edges.
     pub(super) fn keep_edge(&mut self, channel: ChannelId, value: Value) -> Result<(), RigFault> {
         let turns = |(known, before): &(ChannelId, Value)| *known == channel && *before != value;
         if !self.pacing.has_wires() || !self.buffers.writes.iter().any(turns) {

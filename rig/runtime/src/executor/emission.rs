@@ -1,5 +1,5 @@
 //! Pulses that the board makes by itself, for steps and for functions of the model. A device takes its time to begin: the end
-//! of such a step is its last edge, as far as the board tells its edges.
+//! of such a step is its last edge, as far as the board reports its edges.
 
 use super::Executor;
 use crate::rig_fault::RigFault;
@@ -20,20 +20,20 @@ pub(super) fn offloaded_outputs(wiring: &Wiring, channels: &[Channel]) -> Vec<Io
     outputs.map(|(terminal, _)| terminal.channel).collect()
 }
 
-/// Pulses of a step that the board tells one by one.
+/// Pulses of a step that the board reports one by one.
 #[derive(Clone, Copy, Debug)]
 struct ActiveEmission {
     step: usize,
     channel: ChannelId,
-    /// Edges that were not told yet.
+    /// Edges that were not reported yet.
     left: usize,
     /// When the last one was.
     last: When,
-    /// The step is over but for them; until when they have to be told.
+    /// The step is over but for them; until when they have to be reported.
     until: Option<Time>,
 }
 
-/// The steps whose pulses the board makes and tells: of each channel at most one.
+/// The steps whose pulses the board makes and reports: of each channel at most one.
 #[derive(Debug)]
 pub(super) struct Emissions(Vec<ActiveEmission>);
 
@@ -52,7 +52,7 @@ impl Emissions {
         until.map(|_| step)
     }
 
-    /// A step is done: when its last edge was, where the board told.
+    /// A step is done: when its last edge was, where the board reported.
     #[inline]
     pub(super) fn end(&mut self, step: usize) -> Option<When> {
         let place = self.0.iter().position(|emitting| emitting.step == step)?;
@@ -106,25 +106,25 @@ impl Executor<'_> {
         self.parts.board.emit(at, channel, emission).map_err(|error| RigFault::Board { at, error })
     }
 
-    /// The program has the period of such a wave begin anew, which no device does.
+    /// The program has the period of such a wave begin again, which no device does.
     pub(super) fn cannot_restart_period(&mut self, at: Time, output: usize) {
         if let Some(channel) = self.parts.wiring.channel_of(Terminal::output(output)) {
             self.report.fault.get_or_insert(RigFault::PeriodNotRestarted { at, channel });
         }
     }
 
-    /// A line moved: one of the pulses that the board makes may be told by that.
+    /// A line moved: one of the pulses that the board makes may be reported by that.
     #[inline]
     pub(super) fn see_pulse(&mut self, channel: ChannelId, at: When, value: Value, origin: Origin) {
         if self.awaited.emissions.0.is_empty() || origin != Origin::Write {
             return;
         }
-        let told = |emitting: &&mut ActiveEmission| {
-            // The first edge of a pulse rises: what was written before may be told only now.
+        let reported = |emitting: &&mut ActiveEmission| {
+            // The first edge of a pulse rises: what was written before may be reported only now.
             let rises = emitting.left.is_multiple_of(2);
             emitting.channel == channel && emitting.left > 0 && value == Value::Bool(rises)
         };
-        let Some(emitting) = self.awaited.emissions.0.iter_mut().find(told) else { return };
+        let Some(emitting) = self.awaited.emissions.0.iter_mut().find(reported) else { return };
         emitting.left -= 1;
         if emitting.left > 0 {
             return;
@@ -139,7 +139,7 @@ impl Executor<'_> {
         }
     }
 
-    /// Whether edges of a step that should be over were not told yet. They have as long as the rig may be late.
+    /// Whether edges of a step that should be over were not reported yet. They have as long as the rig may be late.
     pub(super) fn emits_yet(&mut self, step: usize) -> bool {
         let of = |emitting: &&mut ActiveEmission| emitting.step == step && emitting.left > 0;
         let Some(emitting) = self.awaited.emissions.0.iter_mut().find(of) else { return false };
@@ -154,7 +154,7 @@ impl Executor<'_> {
             Some(until) if now < until => true,
             Some(_) => {
                 let late = self.actual - now + limit;
-                // What was not told by now is not waited for any longer.
+                // What was not reported by now is not waited for any longer.
                 (emitting.left, emitting.last) = (0, When::within(emitting.last.earliest, self.actual));
                 self.report.fault.get_or_insert(RigFault::Late { at: now, late, limit });
                 false
@@ -162,7 +162,7 @@ impl Executor<'_> {
         }
     }
 
-    /// Whether the case goes on although its end has come: pulses under way are told when they are over, and claims ask
+    /// Whether the case goes on although its end has come: pulses under way are reported when they are over, and claims ask
     /// for all of them. Not where something ended it early.
     #[inline]
     pub(super) fn holds_end(&self) -> bool {
@@ -170,7 +170,7 @@ impl Executor<'_> {
             && self.parts.schedule.ended().is_none()
     }
 
-    /// Whether the end of the case has come, and only waits for pulses: no step comes behind it.
+    /// Whether the end of the case has come, and only waits for pulses: no step comes after it.
     pub(super) fn is_past_end(&self, now: Time) -> bool {
         self.parts.schedule.phase() == CasePart::Main
             && self.parts.schedule.end().is_some_and(|end| now > end)

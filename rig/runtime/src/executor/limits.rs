@@ -1,4 +1,4 @@
-//! What an executor is told of a case, and what it leaves.
+//! What an executor is given of a case, and what it leaves.
 
 use crate::case_ending::NotRefused;
 use crate::frame_log::FrameLog;
@@ -8,7 +8,7 @@ use drivers::OnLoss;
 use record::Wakes;
 use signal::{Span, Time};
 
-/// What the executor is told of a case.
+/// What the executor is given of a case.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// The state in which the case begins.
@@ -38,7 +38,7 @@ pub struct Limits {
 pub struct ExecutorReport {
     /// When the case's own time began.
     pub start: Option<Time>,
-    /// The end of the case: its teardown comes behind.
+    /// The end of the case: its teardown comes after.
     pub end: Time,
     /// The last instant.
     pub closed: Time,

@@ -127,7 +127,7 @@ impl<'a> Executor<'a> {
                     live.make_room();
                     live.answer(ticket, Ok(None));
                 }
-                // The controller ends as it does behind its time.
+                // The controller ends as it does after its time.
                 self.over = true;
             }
             ScanRequest::Command(ticket, ScanCommand::Advance(by)) => {
@@ -141,7 +141,7 @@ impl<'a> Executor<'a> {
             ScanRequest::Command(ticket, command) => {
                 let came = self.carry_out(command);
                 self.apply()?;
-                // Whoever leads the time finds what an order did in the status behind it.
+                // Whoever leads the time finds what an order did in the status after it.
                 if self.live.as_ref().is_some_and(|live| live.is_led()) {
                     self.publish_snapshot();
                 }

@@ -7,7 +7,7 @@ use drivers::{BoardError, BoardExt, BusId, BusState, ChannelId, LossReason, OnLo
 use signal::Time;
 
 impl Executor<'_> {
-    /// The device behind a channel is lost. A device of many channels tells so of each; the first says it all.
+    /// The device behind a channel is lost. A device of many channels reports it for each; the first says it all.
     pub(super) fn channel_lost(&mut self, at: Time, channel: ChannelId, reason: LossReason) {
         let device = self.parts.board.device(channel).unwrap_or_default().to_owned();
         self.device_lost(at, RigFault::Lost { at, channel, device, reason });
@@ -101,10 +101,10 @@ impl Executor<'_> {
         }
     }
 
-    /// Whether this is the first of its channels that tells of a device at this instant.
+    /// Whether this is the first of its channels that reports a device at this instant.
     fn is_first_report(&mut self, at: Time, device: String) -> bool {
-        let told = Some((at, device));
-        std::mem::replace(&mut self.devices.noticed, told.clone()) != told
+        let reported = Some((at, device));
+        std::mem::replace(&mut self.devices.noticed, reported.clone()) != reported
     }
 
     /// Why the board did not start.

@@ -135,7 +135,7 @@ impl std::fmt::Debug for Executor<'_> {
     }
 }
 
-/// Nothing stays driven behind a run that panics.
+/// Nothing stays driven after a run that panics.
 impl Drop for Executor<'_> {
     fn drop(&mut self) {
         if !self.safe {
@@ -242,7 +242,7 @@ impl<'a> Executor<'a> {
         }
         self.report.end = self.now;
         self.mark_pending_faults(|_| true);
-        // What comes behind the end raises no alarm.
+        // What comes after the end raises no alarm.
         self.parts.alarms.clear();
         if let Some(mark) = self.parts.wiring.end {
             self.parts.recorder.mark(mark, self.seen(self.now));

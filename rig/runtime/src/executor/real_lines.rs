@@ -44,7 +44,7 @@ pub(super) struct RealLines {
     pending: VecDeque<PendingInput>,
     /// When the wait for the next thing ended, while nothing has passed since.
     woke: Option<Time>,
-    /// How far each channel has counted, as far as it was told.
+    /// How far each channel has counted, as far as it was reported.
     counts: Vec<i64>,
     /// How late the subject's last write of each channel was.
     lag: Vec<Span>,

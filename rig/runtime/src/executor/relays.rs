@@ -55,7 +55,7 @@ impl Executor<'_> {
         }
     }
 
-    /// Marks the steps whose faults came. What the lines told of them is recorded behind the marks.
+    /// Marks the steps whose faults came. What the lines reported of them is recorded after the marks.
     pub(super) fn mark_faults_seen(&mut self) {
         for place in (0..self.awaited.relays.0.len()).rev() {
             let RelayMark { step, channel, asked: Some(asked) } = self.awaited.relays.0[place] else {

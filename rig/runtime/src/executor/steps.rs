@@ -40,7 +40,7 @@ impl Executor<'_> {
                     self.parts.schedule.finish(step, now);
                 }
                 // The step's own claim fails with what was waited for. The case goes on without the step, unless
-                // its end hangs on it.
+                // its end depends on it.
                 Due::Missed => {
                     let missed = self.parts.schedule.miss(step, now);
                     match self.parts.schedule.steps()[step].phase {

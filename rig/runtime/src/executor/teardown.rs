@@ -1,4 +1,4 @@
-//! What comes behind a case, however it ended.
+//! What comes after a case, however it ended.
 
 use super::Executor;
 use crate::rig_fault::RigFault;

@@ -232,7 +232,7 @@ const fn key_of_fault(fault: CounterFault) -> &'static str {
     }
 }
 
-/// A refusal of the controller at the key that it is about, with what mends it.
+/// A refusal of the controller at the key that it is about, with what fixes it.
 fn refusal(error: &ExpertError, said: &FunctionSettings, plan: &str) -> Diagnostic {
     let (code, help) = match error.fault {
         ExpertFault::Counter(_) | ExpertFault::Axis(_) => {

@@ -52,10 +52,10 @@ pub fn check(
                         | CounterMode::Period { .. } => (
                             codes::FUNCTION_WITHOUT_COUNTS,
                             format!(
-                                "`{}` measures when its pulses come, and I{input} tells how many came",
+                                "`{}` measures when its pulses come, and I{input} shows how many came",
                                 said.name
                             ),
-                            "bind the input to a line whose edges the board tells, or measure the speed of the count in the plan",
+                            "bind the input to a line whose edges the board reports, or measure the speed of the count in the plan",
                         ),
                     }
                 }

@@ -2,7 +2,7 @@
 
 use signal::Decimal;
 
-/// Most digits behind the point of an end that is kept exactly.
+/// Most digits after the point of an end that is kept exactly.
 const MOST_DIGITS: i32 = 18;
 /// Largest whole number that a float holds with all its neighbours.
 const WHOLE: u128 = 1 << 53;

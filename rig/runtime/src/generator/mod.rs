@@ -71,7 +71,7 @@ pub enum BoardOrder {
 }
 
 impl Generator {
-    /// How long after the beginning act `n` from 0 comes; `None` behind the last.
+    /// How long after the beginning act `n` from 0 comes; `None` after the last.
     pub fn after(&self, n: u64) -> Option<Span> {
         match self {
             Generator::Train { train, seed, .. } => {

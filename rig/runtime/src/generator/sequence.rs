@@ -30,7 +30,7 @@ struct Point {
 pub struct Rows {
     /// When each row comes, in nanoseconds.
     times: Vec<i64>,
-    /// How many acts come before each row, and behind them how many there are.
+    /// How many acts come before each row, and after them how many there are.
     before: Vec<u64>,
     /// Each channel with its points.
     columns: Vec<(ChannelId, Vec<Point>)>,
@@ -67,7 +67,7 @@ impl Rows {
         self.columns.iter().map(|(channel, _)| *channel)
     }
 
-    /// How many times the table was gone through before act `n`, and when in the table it comes; `None` behind the
+    /// How many times the table was gone through before act `n`, and when in the table it comes; `None` after the
     /// last.
     fn place(&self, n: u64) -> Option<(i64, i64)> {
         let all = self.before.last().copied().filter(|all| *all > 0)?;
@@ -77,7 +77,7 @@ impl Rows {
         Some((i64::try_from(pass).ok().filter(|_| pass < self.passes)?, at))
     }
 
-    /// How long after the beginning act `n` from 0 comes; `None` behind the last.
+    /// How long after the beginning act `n` from 0 comes; `None` after the last.
     pub fn after(&self, n: u64) -> Option<Span> {
         let (pass, at) = self.place(n)?;
         Some(Span::from_nanos(pass * self.times.last()? + at))

@@ -80,7 +80,7 @@ pub enum Form {
 const WHOLE: u128 = plans::steps::PeriodicWave::WHOLE as u128;
 
 impl Curve {
-    /// How long after the beginning value `n` from 0 comes; `None` behind the last.
+    /// How long after the beginning value `n` from 0 comes; `None` after the last.
     pub fn after(&self, n: u64) -> Option<Span> {
         if let Shape::Square { cycle, phase, duty, .. } = &self.shape {
             let (parts, _) = edge(n, u128::from(*phase), u128::from(*duty));

@@ -132,7 +132,7 @@ impl Trains<'_> {
         self.on.lives.time.now()
     }
 
-    /// Takes what the board has to tell.
+    /// Takes what the board has to report.
     fn poll(&mut self) -> Result<(), LoopFault> {
         self.on.beat()?;
         self.events.clear();
@@ -214,7 +214,7 @@ impl Trains<'_> {
             }
         };
         let (first, last) = self.count_until_quiet(ended)?;
-        // Made when the device had driven it, where that is told, else when it was asked for.
+        // Made when the device had driven it, where that is reported, else when it was asked for.
         let lasted =
             if own { ended - began } else { (last.max(ended) - first.min(began)).max(ended - began) };
         let periods = u128::from(edges - 1);

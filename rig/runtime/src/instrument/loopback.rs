@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// What many edges that went around the loop took.
 #[derive(Clone, Debug)]
 pub struct Loopback {
-    /// From the rig's wish to the beginning of the device's call; empty where the board does not tell of the call.
+    /// From the rig's wish to the beginning of the device's call; empty where the board does not report the call.
     pub asked_to_call: Histogram,
     /// From the beginning of the call, or of the wish, to the stamp of the input's edge.
     pub call_to_stamp: Histogram,

@@ -52,7 +52,7 @@ impl fmt::Debug for Instrument<'_> {
     }
 }
 
-/// Nothing stays driven behind a measurement, whatever ended it.
+/// Nothing stays driven after a measurement, whatever ended it.
 impl Drop for Instrument<'_> {
     fn drop(&mut self) {
         // What is not safe now is the guard's.
@@ -103,7 +103,7 @@ pub enum LoopFault {
     },
     /// The input changed when nobody changed the output.
     Stray {
-        /// The edge behind which it did, from 1.
+        /// The edge after which it did, from 1.
         edge: u64,
     },
     /// The input's edge is stamped before the output was driven: the two clocks differ.
@@ -133,7 +133,7 @@ impl LoopFault {
                 u8::from(high)
             ),
             LoopFault::Stray { edge } => {
-                format!("`{input}` changed behind edge {edge} of `{out}`, though nobody drove it")
+                format!("`{input}` changed after edge {edge} of `{out}`, though nobody drove it")
             }
             LoopFault::Early { edge, by } => {
                 format!("`{input}` is stamped {by} before `{out}` was driven, at edge {edge}")
@@ -185,7 +185,7 @@ impl From<BoardError> for LoopFault {
 struct Round {
     /// When the board was asked.
     asked: Time,
-    /// When the device's call began and ended, where the board tells.
+    /// When the device's call began and ended, where the board reports.
     call: Option<When>,
     /// The stamp of the input's edge.
     stamped: Time,
@@ -251,7 +251,7 @@ impl<'a> Driven<'a> {
         self.on.board.write(asked, &[(self.looped.out, Value::Bool(high))])?;
         let due = asked + PATIENCE;
         let (mut call, mut answer) = (None, None);
-        // A board that reads the output back tells of one line only.
+        // A board that reads the output back reports one line only.
         let one = self.looped.out == self.looped.input;
         loop {
             self.poll()?;

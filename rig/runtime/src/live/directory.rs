@@ -12,7 +12,7 @@ use profile::IoChannel;
 use signal::{Address, AddressLimits, Area, Kind, Span, Value};
 use std::collections::BTreeMap;
 
-/// Names that can be told of one program: a description stays short enough to be sent.
+/// Names that can be reported of one program: a description stays short enough to be sent.
 const MOST_LISTED: usize = 10_000;
 
 /// Names that clients may find beside those that are listed.

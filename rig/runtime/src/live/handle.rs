@@ -52,7 +52,7 @@ pub struct LiveRig {
     stale: BTreeSet<u32>,
     /// Requests that found no room.
     waiting: VecDeque<ScanRequest>,
-    /// What is told with the next call although the scan does not tell it.
+    /// What is reported with the next call although the scan does not report it.
     own: Vec<RigEvent>,
     outcomes: Vec<(u64, Outcome)>,
     orders: PlanOrders,
@@ -191,7 +191,7 @@ impl LiveRig {
     }
 
     /// The plan that was read, if one is.
-    fn take_plan(&mut self, told: &mut dyn FnMut(RigEvent)) {
+    fn take_plan(&mut self, report: &mut dyn FnMut(RigEvent)) {
         let Some((ticket, chosen)) = &self.reading else { return };
         let ticket = *ticket;
         let chosen = match chosen.try_recv() {
@@ -205,11 +205,11 @@ impl LiveRig {
                 self.orders.slot.put(chosen);
                 self.waiting.push_back(ScanRequest::Command(ticket, ScanCommand::Plan));
             }
-            Err(fault) => told(RigEvent::Answer(Ticket(ticket), Err(fault))),
+            Err(fault) => report(RigEvent::Answer(Ticket(ticket), Err(fault))),
         }
     }
 
-    fn receive_plan_event(&mut self, event: PlanEvent, told: &mut dyn FnMut(RigEvent)) {
+    fn receive_plan_event(&mut self, event: PlanEvent, report: &mut dyn FnMut(RigEvent)) {
         match &event {
             PlanEvent::Case { name, place, .. } => {
                 self.plan = Some(PlanStatus::of(name, *place));
@@ -217,7 +217,7 @@ impl LiveRig {
             PlanEvent::Over { .. } => self.plan = None,
             _ => {}
         }
-        told(RigEvent::Plan(event));
+        report(RigEvent::Plan(event));
     }
 
     fn frame(&self, bus: drivers::BusId, at: signal::Time, frame: &signal::CanFrame, own: bool) -> FrameSeen {
@@ -323,14 +323,14 @@ impl Rig for LiveRig {
         Ok(())
     }
 
-    fn poll(&mut self, told: &mut dyn FnMut(RigEvent)) {
-        self.take_plan(told);
+    fn poll(&mut self, report: &mut dyn FnMut(RigEvent)) {
+        self.take_plan(report);
         self.flush();
         for own in self.own.drain(..) {
-            told(own);
+            report(own);
         }
         let gone = self.ends.events.is_abandoned();
-        // What is answered by now was told before.
+        // What is answered by now was reported before.
         while let Ok(outcome) = self.ends.outcomes.pop() {
             self.outcomes.push(outcome);
         }
@@ -344,21 +344,21 @@ impl Rig for LiveRig {
                     watched.last = Some((at, value));
                     for signal in self.directory.shown(source) {
                         if self.signals.get(*signal as usize).is_some_and(|count| *count > 0) {
-                            told(RigEvent::Change { signal: *signal, at, value });
+                            report(RigEvent::Change { signal: *signal, at, value });
                         }
                     }
                 }
-                ScanEvent::Log(at, text) => told(RigEvent::Log(at, text)),
+                ScanEvent::Log(at, text) => report(RigEvent::Log(at, text)),
                 ScanEvent::Frame(bus, at, frame, own) => {
-                    told(RigEvent::Frame(self.frame(bus, at, &frame, own)))
+                    report(RigEvent::Frame(self.frame(bus, at, &frame, own)))
                 }
                 ScanEvent::SerialMessage(bus, message, own) => {
-                    told(RigEvent::Frame(self.serial(bus, &message, own)))
+                    report(RigEvent::Frame(self.serial(bus, &message, own)))
                 }
                 ScanEvent::Step(step, at, done) => {
-                    told(RigEvent::Plan(PlanEvent::Step { step, at: at.as_nanos(), done }));
+                    report(RigEvent::Plan(PlanEvent::Step { step, at: at.as_nanos(), done }));
                 }
-                ScanEvent::Plan(event) => self.receive_plan_event(*event, told),
+                ScanEvent::Plan(event) => self.receive_plan_event(*event, report),
             }
         }
         while let Ok(snapshot) = self.ends.full.pop() {
@@ -373,7 +373,7 @@ impl Rig for LiveRig {
                 Ok(None) => Ok(Answer::Done),
                 Err(why) => Err(fault::refused(why)),
             };
-            told(RigEvent::Answer(Ticket(ticket), answer));
+            report(RigEvent::Answer(Ticket(ticket), answer));
         }
         self.instruments.look_at_host();
         // A rig that is led may wait for room.
@@ -381,7 +381,7 @@ impl Rig for LiveRig {
             self.bell.ring();
         }
         if gone && !std::mem::replace(&mut self.ended, true) {
-            told(RigEvent::Ended("the rig ends".into()));
+            report(RigEvent::Ended("the rig ends".into()));
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Plans on a rig that is kept running: chosen beside the scan, run in its place, told as they go.
+//! Plans on a rig that is kept running: chosen beside the scan, run in its place, reported as they go.
 
 use super::fault;
 use crate::case::{ClockKind, RunOptions, run_case};
@@ -124,7 +124,7 @@ pub fn run_with_plans(
     options: &RunOptions<'_>,
     settings: SoftPlcSettings,
     slot: &PlanSlot,
-    tell: &SyncSender<SoftPlcEvent>,
+    events: &SyncSender<SoftPlcEvent>,
 ) -> Result<SoftPlcReport, Vec<Diagnostic>> {
     let began = Instant::now();
     loop {
@@ -136,7 +136,7 @@ pub fn run_with_plans(
             files,
             options,
             SoftPlcSettings { duration: lasts, ..settings },
-            tell.clone(),
+            events.clone(),
         )?;
         let Some(port) = options.live.filter(|port| lock(port).take_plan_request()) else {
             return Ok(played);

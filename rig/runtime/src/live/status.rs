@@ -164,7 +164,7 @@ impl StatusSource {
             }
         }
         if now.untold > 0 {
-            add("untold", format!("{} changes came faster than they could be told", now.untold));
+            add("untold", format!("{} changes came faster than they could be reported", now.untold));
         }
         found
     }

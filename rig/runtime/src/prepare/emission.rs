@@ -65,7 +65,7 @@ pub(super) fn by_itself(
     }
 }
 
-/// Whether an input of the model is behind the channel: what the model sees of pulses that are told only when they are
+/// Whether an input of the model is behind the channel: what the model sees of pulses that are reported only when they are
 /// over, all at once, would be none of them.
 fn feeds_model(channel: ChannelId, bench: &TestBench<'_>) -> bool {
     let feeds = |area| area == Area::Input;

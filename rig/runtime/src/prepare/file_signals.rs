@@ -10,7 +10,7 @@ use plans::Case;
 use plans::signals::{FileFigure, RowFigure, SignalBinding, SignalSource};
 use signal::Kind;
 
-/// What a bound name is, where it stands for files, the log or registers: these the subject has to be told of.
+/// What a bound name is, where it stands for files, the log or registers: these the subject has to know of.
 pub(super) fn observable(
     binding: &SignalBinding,
     case: &Case,

@@ -40,7 +40,7 @@ fn wave_on_line(
         Some(emits) if !emits.endless => Some(not_made(said, "a", channel, plan)),
         Some(_) if wave.sync.is_some() => {
             let message =
-                format!("`{}`: the device behind `{}` cannot begin its period anew", said.name, channel.name);
+                format!("`{}`: the device behind `{}` cannot restart its period", said.name, channel.name);
             let found =
                 Diagnostic::error(codes::PERIOD_NOT_RESTARTED, message).at(plan, said.place("sync"), "");
             Some(found.help("leave out `sync`, or bind the output to a line that the rig drives"))

@@ -224,7 +224,7 @@ pub(super) fn warn_if_not_promised(
     let (message, help) = match promised {
         0 => (
             format!("the step needs pulses of {needs} Hz on `{name}`, of which the board promises none"),
-            format!("write `pulses-up-to = \"{needs} Hz\"` behind its `line`, if it can make them"),
+            format!("write `pulses-up-to = \"{needs} Hz\"` after its `line`, if it can make them"),
         ),
         _ => (
             format!("the step needs pulses of {needs} Hz on `{name}`, which makes them up to {promised} Hz"),

@@ -97,7 +97,7 @@ pub(super) fn meaning(binding: &SignalBinding, bench: &TestBench<'_>, out: &mut 
     Some(found)
 }
 
-/// What is wrong with a name that means an array, or a place outside one: its finding and what mends it.
+/// What is wrong with a name that means an array, or a place outside one: its finding and what fixes it.
 fn element(path: &str, bench: &TestBench<'_>) -> Option<(String, String)> {
     let array = path.split('[').next().unwrap_or(path);
     let mut elements = (0..=1).rev().map(|place| format!("{array}[{place}]"));
@@ -114,7 +114,7 @@ pub(super) fn suggestion<'a>(name: &str, known: impl Iterator<Item = &'a str>) -
     document::suggest(name, known).map_or_else(String::new, |meant| format!("did you mean `{meant}`?"))
 }
 
-/// What mends the name of a task that there is none of.
+/// The fix for the name of a task that there is none of.
 pub(super) fn known_tasks(task: &str, bench: &TestBench<'_>) -> String {
     let tasks = bench.subject.catalogue().map_or(&[][..], Catalogue::tasks);
     let known: Vec<&str> = tasks.iter().map(|task| task.name.as_str()).collect();

@@ -7,7 +7,7 @@ use plans::signals::{RecordingPolicy, SignalBinding};
 use signal::{ClockDomain, Kind, Policy, Sampling, SignalId, SignalInfo, Trace, TraceError, Value};
 
 /// Which changes of a bound signal the trace keeps. `own` is the deadband that its channel has on the board: what is
-/// not told is not known, and a second filter behind it would leave more unknown than one number says.
+/// not reported is not known, and a second filter after it would leave more unknown than one number says.
 pub(super) fn policy(
     binding: &SignalBinding,
     info: &SignalInfo,

@@ -109,7 +109,7 @@ pub(super) fn plan_step(
                 return None;
             };
             if matches!(value, Value::Real(_)) && observable.kind != Kind::Real {
-                let help = "only a REAL or LREAL has a value with a part behind the point";
+                let help = "only a REAL or LREAL has a value with a part after the point";
                 out.error(
                     codes::VALUE_MISFIT,
                     step.span.clone(),

@@ -1,6 +1,6 @@
 //! The end of the scan: it takes requests, reports events and leaves snapshots, and never waits for anybody.
 //!
-//! Only a rig whose time clients lead waits: for what they ask, and for room where they do not take what it tells.
+//! Only a rig whose time clients lead waits: for what they ask, and for room where they do not take what it reports.
 
 use super::queues::{Outcome, ScanCommand, ScanCommandError, ScanEnd, ScanEvent, ScanRequest, Source};
 use super::snapshot::{LineCounts, Snapshot};
@@ -28,7 +28,7 @@ const NONE: u32 = u32::MAX;
 struct LastSeen {
     at: When,
     value: Value,
-    /// Under which number changes are told.
+    /// Under which number changes are reported.
     source: u32,
 }
 
@@ -62,7 +62,7 @@ pub struct ScanPort {
     base: Span,
     /// The host's time when the rig began, in nanoseconds.
     began: Option<HostInstant>,
-    /// The last instant that was told.
+    /// The last instant that was reported.
     last: Time,
     /// A plan was asked for, and the controller makes room for it.
     leaves: bool,
@@ -217,7 +217,7 @@ impl ScanPort {
         self.aborted
     }
 
-    /// Tells of a plan.
+    /// Reports an event of a plan.
     pub(crate) fn plan(&mut self, event: PlanEvent) {
         self.push(ScanEvent::Plan(Box::new(event)));
     }
@@ -287,7 +287,7 @@ impl ScanPort {
         self.led && self.role == Role::Rig && now >= self.until
     }
 
-    /// All of the time that was asked for has passed: what it brought is told.
+    /// All of the time that was asked for has passed: what it brought is reported.
     pub(crate) fn arrive(&mut self) {
         if let Some(ticket) = self.advancing.take() {
             self.answer(ticket, Ok(None));
@@ -299,7 +299,7 @@ impl ScanPort {
         self.bell.wait_until(HostInstant::now() + GLANCE);
     }
 
-    /// From now on changes of a source are told.
+    /// From now on changes of a source are reported.
     pub(crate) fn follow(&mut self, source: u32, of: Source, probe: ProbeId) {
         let Some(watched) = self.watched.get_mut(source as usize) else { return };
         *watched = Some((of, probe));
@@ -317,7 +317,7 @@ impl ScanPort {
         }
     }
 
-    /// Changes of a source are no longer told; hands back the probe that is to be watched no more.
+    /// Changes of a source are no longer reported; hands back the probe that is to be watched no more.
     pub(crate) fn unfollow(&mut self, source: u32) -> Option<ProbeId> {
         let (of, probe) = self.watched.get_mut(source as usize)?.take()?;
         match of {
@@ -342,7 +342,7 @@ impl ScanPort {
         seen.map_or((When::exactly(Time::ZERO), Value::Unknown), |seen| (seen.at, seen.value))
     }
 
-    /// Tells the value of a source.
+    /// Reports the value of a source.
     #[inline]
     pub(crate) fn change(&mut self, source: u32, at: When, value: Value) {
         self.push(ScanEvent::Change(source, self.own_when(at), value));
@@ -477,7 +477,7 @@ impl ScanPort {
         let _ = self.ends.full.push(snapshot);
     }
 
-    /// A device that was lost is back: what its channel has is told next.
+    /// A device that was lost is back: what its channel has is reported next.
     pub(crate) fn regained(&mut self, channel: ChannelId) {
         if let Some(line) = self.now.lines.get_mut(usize::from(channel.0)) {
             *line = LineCounts { lost: None, ..*line };

@@ -1,5 +1,5 @@
 //! What passes between the scan of a rig that is kept running and the handle that others hold of it. Nothing in here owns
-//! memory but lines of the log and what is told of a plan.
+//! memory but lines of the log and what is reported of a plan.
 
 use super::snapshot::Snapshot;
 use control::{Action, PlanEvent};
@@ -30,7 +30,7 @@ pub enum Source {
 /// What is asked of the scan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ScanRequest {
-    /// Changes of this are told from now on, under this number; its present value at once.
+    /// Changes of this are reported from now on, under this number; its present value at once.
     Watch(u32, Source),
     /// No more.
     Unwatch(u32),

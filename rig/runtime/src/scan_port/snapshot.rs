@@ -111,7 +111,7 @@ impl Snapshot {
 /// Each border with its count, up to the last one that counted anything; what is beyond all borders stands at the end of
 /// time.
 pub fn counts(counts: &JitterCounts) -> Vec<(i64, u64)> {
-    let behind = counts.iter().rposition(|count| *count > 0).map_or(0, |last| last + 1);
+    let after = counts.iter().rposition(|count| *count > 0).map_or(0, |last| last + 1);
     let borders = JITTER_BORDERS.iter().copied().chain([i64::MAX]);
-    borders.zip(counts.iter().copied()).take(behind).collect()
+    borders.zip(counts.iter().copied()).take(after).collect()
 }

@@ -50,7 +50,7 @@ pub(super) struct Progress {
     setup: usize,
     /// What steps of main would do if main had begun.
     held: Vec<(usize, Due)>,
-    /// What the steps hang on that come up to an instant, with the distance from it.
+    /// What the steps depend on that come up to an instant, with the distance from it.
     untils: Vec<(StepAnchor, usize, Span)>,
 }
 
@@ -243,7 +243,7 @@ impl Schedule {
             None => true,
             Some(repeat) => self.progress.stopped[step] || self.progress.times[step] >= repeat.times(),
         };
-        // Of two times that touch each other the end of the first may come behind the beginning of the last.
+        // Of two times that touch each other the end of the first may come after the beginning of the last.
         last && !std::mem::replace(&mut self.progress.done[step], true)
     }
 
@@ -269,7 +269,7 @@ impl Schedule {
         None
     }
 
-    /// Tells those who wait for it that a step is done.
+    /// Informs those who wait for it that a step is done.
     pub(super) fn close(&mut self, step: usize, now: Time) {
         if let Some(parent) = self.steps[step].parent {
             self.progress.open[parent] -= 1;

@@ -41,7 +41,7 @@ pub struct SoftPlcSettings {
     pub booted: bool,
 }
 
-/// What a controller that runs tells whoever watches it.
+/// What a controller that runs reports to whoever watches it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SoftPlcEvent {
     /// The outputs are claimed, and the controller waits for its supply or boots.
@@ -66,7 +66,7 @@ pub struct SoftPlcReport {
 }
 
 /// Keeps the controller of a case running, with the case's program and settings and nothing else of it, until it is
-/// interrupted or its time is over. What it has to tell goes to `tell`, which never keeps it waiting: what finds no room is
+/// interrupted or its time is over. What it has to report goes to `events`, which never keeps it waiting: what finds no room is
 /// left out. Clients are served by the port of the options, if there is one.
 ///
 /// # Errors
@@ -76,7 +76,7 @@ pub fn run(
     files: &CaseFiles,
     options: &RunOptions<'_>,
     settings: SoftPlcSettings,
-    tell: SyncSender<SoftPlcEvent>,
+    events: SyncSender<SoftPlcEvent>,
 ) -> Result<SoftPlcReport, Vec<Diagnostic>> {
     let case = bare(case, settings.duration);
     let mut stage = set_up(&case, files, None)?;
@@ -101,14 +101,14 @@ pub fn run(
     }
     // Nothing is recorded: what is kept running for months takes no more memory than in its first minute.
     wiring.state = None;
-    let mut subject = SoftPlc::new(subject, lines, places, initial_state(case.settings.initial), tell);
+    let mut subject = SoftPlc::new(subject, lines, places, initial_state(case.settings.initial), events);
     subject.quick = settings.booted;
     let judge = CaseJudge::new(case.scenario(), trace.signals())?;
     let mut recorder = Recorder::new(trace, judge);
     let mut schedule = Schedule::new(Vec::new(), case.ends.clone());
     let limits = Limits {
         initial: State::Off,
-        // Nobody judges it: how late it was is told at the end.
+        // Nobody judges it: how late it was is reported at the end.
         late: Span::MAX,
         slice: options.slice,
         horizon: hardware.map_or_else(RealtimeSettings::default, |hardware| *hardware.settings()).horizon,

@@ -18,7 +18,7 @@ use std::sync::mpsc::SyncSender;
 
 /// The longest that a boot takes, in modelled time.
 const LONGEST_BOOT: Span = Span::from_secs(60);
-/// Where its lines stand, behind its terminals.
+/// Where its lines stand, after its terminals.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SoftPlcTerminals {
     pub inputs: usize,
@@ -53,11 +53,11 @@ pub(super) struct SoftPlc {
     pub quick: bool,
     /// What came of a boot before its time began.
     booted: Vec<Effect>,
-    /// By how much its own time is ahead, behind a boot that took none.
+    /// By how much its own time is ahead, after a boot that took none.
     ahead: Span,
     supply: bool,
     alarm: bool,
-    tell: SyncSender<SoftPlcEvent>,
+    events: SyncSender<SoftPlcEvent>,
 }
 
 impl std::fmt::Debug for SoftPlc {
@@ -72,7 +72,7 @@ impl SoftPlc {
         lines: SubjectLines,
         places: SoftPlcTerminals,
         initial: State,
-        tell: SyncSender<SoftPlcEvent>,
+        events: SyncSender<SoftPlcEvent>,
     ) -> SoftPlc {
         let (initial, power_pending) = (Some(initial), lines.power.is_none());
         SoftPlc {
@@ -87,13 +87,13 @@ impl SoftPlc {
             ahead: Span::ZERO,
             supply: false,
             alarm: false,
-            tell,
+            events,
         }
     }
 
-    fn report(&self, told: SoftPlcEvent) {
+    fn report(&self, event: SoftPlcEvent) {
         // Whoever watches may be slow, or gone.
-        let _ = self.tell.try_send(told);
+        let _ = self.events.try_send(event);
     }
 
     fn switch(&mut self, now: Time, on: bool, effects: &mut Effects) {
@@ -128,7 +128,7 @@ impl SoftPlc {
         }
     }
 
-    /// Tells what the effects behind the first `before` say, and lets the alarm line follow.
+    /// Reports what the effects after the first `before` say, and lets the alarm line follow.
     fn follow(&mut self, now: Time, before: usize, effects: &mut Effects) {
         let mut place = before;
         while let Some(effect) = effects.list.get_mut(place) {
@@ -148,7 +148,7 @@ impl SoftPlc {
                     }
                     self.settle(now.max(at), state, effects);
                 }
-                // Changes of the state are told already.
+                // Changes of the state are reported already.
                 Effect::Log { entry: LogEntry::State { .. }, .. } => {}
                 Effect::Log { at, entry } => {
                     self.report(SoftPlcEvent::Log(at, crate::log::show(&entry, self.model.catalogue())))

@@ -64,8 +64,8 @@ fn a_client_that_does_everything_costs_no_memory() {
             }
             let asked = heard + 4;
             while heard < asked && !over.load(Ordering::Relaxed) {
-                rig.poll(&mut |told| {
-                    heard += u64::from(matches!(told, services::control::RigEvent::Answer(..)))
+                rig.poll(&mut |reported| {
+                    heard += u64::from(matches!(reported, services::control::RigEvent::Answer(..)))
                 });
             }
             signals.iter().for_each(|signal| rig.unwatch(*signal));
@@ -90,7 +90,7 @@ fn one_that_never_listens_is_not_waited_for() {
     });
     assert!(taken <= 4, "{taken} allocations");
     // 45 000 cycles changed it; the queue holds less.
-    let mut told = 0;
-    rig.poll(&mut |_| told += 1);
-    assert!((10_000..20_000).contains(&told), "{told}");
+    let mut reported = 0;
+    rig.poll(&mut |_| reported += 1);
+    assert!((10_000..20_000).contains(&reported), "{reported}");
 }

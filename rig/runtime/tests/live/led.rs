@@ -8,7 +8,7 @@ use signal::{Span, Value};
 const MS: fn(i64) -> Span = Span::from_millis;
 
 #[test]
-fn time_passes_when_it_is_asked_for_and_what_it_brings_is_told() {
+fn time_passes_when_it_is_asked_for_and_what_it_brings_is_reported() {
     let lead = || {
         let mut all = Vec::new();
         with_rig(true, |bench: &mut Bench<'_>| {
@@ -147,9 +147,9 @@ fn two_names_of_one_place_are_watched_apart() {
         bench.rig.unwatch(image);
         bench.force("Q0", true).unwrap();
         bench.advance(MS(100));
-        // The program writes it in each cycle, and the force behind the cycle.
+        // The program writes it in each cycle, and the force after the cycle.
         assert!(bench.changes(lamp).len() > 1);
         assert_eq!(bench.changes(image).len(), 1);
-        assert!(!bench.told.iter().any(|told| matches!(told, RigEvent::Ended(_))));
+        assert!(!bench.reported.iter().any(|reported| matches!(reported, RigEvent::Ended(_))));
     });
 }

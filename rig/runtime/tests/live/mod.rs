@@ -100,10 +100,10 @@ impl PlanSource for Library {
     }
 }
 
-/// What a rig told, and the rig.
+/// What a rig reported, and the rig.
 pub struct Bench<'a> {
     pub rig: &'a mut LiveRig,
-    pub told: Vec<RigEvent>,
+    pub reported: Vec<RigEvent>,
     tickets: u64,
 }
 
@@ -112,19 +112,19 @@ impl Bench<'_> {
         self.rig.find(name).unwrap_or_else(|fault| panic!("{fault:?}"))
     }
 
-    /// Hears what the rig tells until something is found in it.
+    /// Hears what the rig reports until something is found in it.
     pub fn until<T>(&mut self, what: &str, mut find: impl FnMut(&RigEvent) -> Option<T>) -> T {
         let began = Instant::now();
         let mut looked = 0;
         loop {
-            self.rig.poll(&mut |told| self.told.push(told));
-            while let Some(told) = self.told.get(looked) {
+            self.rig.poll(&mut |reported| self.reported.push(reported));
+            while let Some(reported) = self.reported.get(looked) {
                 looked += 1;
-                if let Some(found) = find(told) {
+                if let Some(found) = find(reported) {
                     return found;
                 }
             }
-            assert!(began.elapsed() < PATIENCE, "{what} does not come: {:?}", self.told);
+            assert!(began.elapsed() < PATIENCE, "{what} does not come: {:?}", self.reported);
             std::thread::yield_now();
         }
     }
@@ -133,7 +133,7 @@ impl Bench<'_> {
         self.tickets += 1;
         let ticket = Ticket(self.tickets);
         self.rig.order(ticket, order)?;
-        self.until("an answer", |told| match told {
+        self.until("an answer", |reported| match reported {
             RigEvent::Answer(of, answer) if *of == ticket => Some(answer.clone()),
             _ => None,
         })
@@ -171,7 +171,7 @@ impl Bench<'_> {
     pub fn status(&mut self, what: &str, wanted: impl Fn(&Status) -> bool) -> Status {
         let began = Instant::now();
         loop {
-            self.rig.poll(&mut |told| self.told.push(told));
+            self.rig.poll(&mut |reported| self.reported.push(reported));
             let status = self.rig.status();
             if wanted(&status) {
                 return status;
@@ -183,13 +183,13 @@ impl Bench<'_> {
 
     /// Every change of a signal so far: when, at the latest, and what.
     pub fn changes(&self, signal: u32) -> Vec<(i64, Value)> {
-        let change = |told: &RigEvent| match told {
+        let change = |reported: &RigEvent| match reported {
             RigEvent::Change { signal: of, at, value } if *of == signal => {
                 Some((at.latest.as_nanos(), *value))
             }
             _ => None,
         };
-        self.told.iter().filter_map(change).collect()
+        self.reported.iter().filter_map(change).collect()
     }
 }
 
@@ -207,11 +207,11 @@ pub fn with_rig(led: bool, act: impl FnOnce(&mut Bench<'_>)) -> SoftPlcReport {
     let kind = if led { ClockKind::Virtual } else { ClockKind::Real };
     let options =
         RunOptions { slice: Span::from_millis(10), live: Some(&port), ..RunOptions::new(kind, &interrupt) };
-    let (tell, _told) = mpsc::sync_channel(1_024);
+    let (sender, _events) = mpsc::sync_channel(1_024);
     let settings = SoftPlcSettings { duration: None, booted: true };
     std::thread::scope(|scope| {
-        let scan = scope.spawn(|| live::run_with_plans(&case, &files, &options, settings, &slot, &tell));
-        let mut bench = Bench { rig: &mut rig, told: Vec::new(), tickets: 0 };
+        let scan = scope.spawn(|| live::run_with_plans(&case, &files, &options, settings, &slot, &sender));
+        let mut bench = Bench { rig: &mut rig, reported: Vec::new(), tickets: 0 };
         let acted = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| act(&mut bench)));
         interrupt.store(true, Ordering::Relaxed);
         let played = scan.join().unwrap().unwrap_or_else(|found| panic!("{found:#?}"));

@@ -6,14 +6,14 @@ use services::control::{Answer, Order, Rig, RigEvent};
 use signal::{Span, Value};
 
 fn over(bench: &mut Bench<'_>) -> String {
-    bench.until("the end of the plan", |told| match told {
+    bench.until("the end of the plan", |reported| match reported {
         RigEvent::Plan(PlanEvent::Over { verdict, .. }) => Some(verdict.clone()),
         _ => None,
     })
 }
 
 #[test]
-fn a_plan_is_told_as_it_goes_and_the_controller_begins_anew() {
+fn a_plan_is_reported_as_it_goes_and_the_controller_begins_anew() {
     with_rig(true, |bench| {
         bench.advance(Span::from_secs(1));
         let (count, signal) = (bench.watch("MAIN.count"), bench.watch("signal"));
@@ -23,16 +23,16 @@ fn a_plan_is_told_as_it_goes_and_the_controller_begins_anew() {
         assert_eq!(bench.rig.plans(Some(".")).unwrap(), ["press", "long"]);
         assert_eq!(bench.order(Order::Plan("press".into())), Ok(Answer::Done));
         assert_eq!(over(bench), "pass");
-        let told: Vec<PlanEvent> = bench
-            .told
+        let reported: Vec<PlanEvent> = bench
+            .reported
             .iter()
-            .filter_map(|told| match told {
+            .filter_map(|reported| match reported {
                 RigEvent::Plan(event) => Some(event.clone()),
                 _ => None,
             })
             .collect();
-        let [PlanEvent::Case { name, place, steps, claims }, begun, done, verdict, _] = &told[..] else {
-            panic!("{told:#?}");
+        let [PlanEvent::Case { name, place, steps, claims }, begun, done, verdict, _] = &reported[..] else {
+            panic!("{reported:#?}");
         };
         assert_eq!((name.as_str(), *place), ("press", (1, 1)));
         assert_eq!((steps[0].0.as_str(), claims.len()), ("press", 2));
@@ -42,7 +42,7 @@ fn a_plan_is_told_as_it_goes_and_the_controller_begins_anew() {
         }
         let PlanEvent::Verdict { verdict, measured, .. } = verdict else { panic!("{verdict:?}") };
         assert_eq!((verdict.as_str(), measured[0].high), ("pass", Some(100_000_000.0)));
-        // What lines did in the case was told; the variable of the rig's own program was not there.
+        // What lines did in the case was reported; the variable of the rig's own program was not there.
         assert!(bench.changes(signal).iter().any(|(_, value)| *value == Value::Bool(true)));
         bench.advance(Span::from_millis(100));
         let status = bench.rig.status();

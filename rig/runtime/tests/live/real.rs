@@ -8,14 +8,14 @@ use signal::{Span, Value};
 fn it_runs_by_itself_and_orders_come_between_two_turns() {
     let played = with_rig(false, |bench| {
         let count = bench.watch("MAIN.count");
-        bench.until("a third change", |told| match told {
+        bench.until("a third change", |reported| match reported {
             RigEvent::Change { signal, value: Value::Int(n), .. } if *signal == count && *n > 2 => Some(()),
             _ => None,
         });
         bench.status("a cycle", |status| status.tasks[0].cycles > 2 && status.state == "RUNNING");
         bench.write("start", Value::Bool(true)).unwrap();
         let signal = bench.watch("signal");
-        bench.until("the lamp", |told| match told {
+        bench.until("the lamp", |reported| match reported {
             RigEvent::Change { signal: of, value: Value::Bool(true), .. } if *of == signal => Some(()),
             _ => None,
         });

@@ -80,7 +80,7 @@ impl Client {
         self.work.as_ref().is_some_and(|work| matches!(work.then, Then::Advanced))
     }
 
-    /// Whether events may be put into its queue. Whoever leads time is told everything: time waits for it to read.
+    /// Whether events may be put into its queue. Whoever leads time is sent everything: time waits for it to read.
     pub(super) fn has_room(&self, queue: usize) -> bool {
         self.out.len() < queue || self.leads()
     }
@@ -126,9 +126,9 @@ pub(super) struct Work {
 pub(super) enum Then {
     /// It is done.
     Done,
-    /// Values are told.
+    /// Values are reported.
     Values,
-    /// The instant is told.
+    /// The instant is reported.
     Advanced,
     /// The subscription begins. Signals without a value so far were read.
     Subscribed { subscription: u64, signals: Vec<Signal>, read: Vec<u32> },

@@ -102,7 +102,7 @@ pub(super) fn fault(code: &str, message: String, help: &str) -> Fault {
     Fault { code: code.into(), message, help: help.into() }
 }
 
-/// The longest piece of a client's text that is told again, characters.
+/// The longest piece of a client's text that is reported again, characters.
 const LONGEST_QUOTE: usize = 120;
 
 /// A text of a client as it may stand in a message or in the log: on one line, and not long.

@@ -41,9 +41,9 @@ pub struct Hub {
     pub(super) status_cache: StatusCache,
     pub(super) log: VecDeque<LogLine>,
     write: Box<dyn FnMut(&str)>,
-    /// What the case that runs has told.
+    /// What the case that runs has reported.
     pub(super) plan: Vec<PlanEvent>,
-    told: Vec<RigEvent>,
+    events: Vec<RigEvent>,
     /// Who has something to send or to do.
     pub(super) touched: BTreeSet<ClientId>,
     pub(super) over: bool,
@@ -81,7 +81,7 @@ impl Hub {
             log: VecDeque::new(),
             write,
             plan: Vec::new(),
-            told: Vec::new(),
+            events: Vec::new(),
             touched: BTreeSet::new(),
             over: false,
         }
@@ -170,7 +170,7 @@ impl Hub {
         })
     }
 
-    /// Does what a client asked for, as much as is its share; tells whether more is left that can be done at once.
+    /// Does what a client asked for, as much as is its share; reports whether more is left that can be done at once.
     pub fn work(&mut self, id: ClientId, now: Time) -> bool {
         for _ in 0..REQUESTS {
             let Some(client) = self.clients.get(&id).filter(|client| self.may_ask(client)) else {
@@ -195,20 +195,20 @@ impl Hub {
         true
     }
 
-    /// Hears what the rig tells, gives it orders, and tells clients.
+    /// Takes what the rig reports, gives it orders, and reports to clients.
     pub fn turn(&mut self, now: Time) {
         self.status_cache.fresh = false;
-        let mut told = std::mem::take(&mut self.told);
+        let mut events = std::mem::take(&mut self.events);
         let queue = self.settings.limits.queue;
         let waits = |client: &Client| client.leads() && !client.cut && client.out.len() >= queue;
-        // A rig in stepped time stands still while what it told finds no room.
+        // A rig in stepped time stands still while what it reported finds no room.
         if !self.is_stepped() || !self.clients.values().any(waits) {
-            self.rig.poll(&mut |one| told.push(one));
+            self.rig.poll(&mut |one| events.push(one));
         }
-        for one in told.drain(..) {
+        for one in events.drain(..) {
             self.receive_event(one, now);
         }
-        self.told = told;
+        self.events = events;
         self.give(now);
         self.flush(now);
         let patience =
@@ -219,7 +219,7 @@ impl Hub {
         let stuck: Vec<ClientId> =
             self.clients.iter().filter(|(_, client)| stuck(client)).map(|(id, _)| *id).collect();
         for id in stuck {
-            self.say_of(id, "does not read what it is told, and is cut off", now);
+            self.say_of(id, "does not read what it is sent, and is cut off", now);
             if let Some(client) = self.clients.get_mut(&id) {
                 client.cut = true;
             }
@@ -243,7 +243,7 @@ impl Hub {
         self.orders.any()
     }
 
-    /// The rig ends: everyone is told, and what was not done will not be.
+    /// The rig ends: everyone is informed, and what was not done will not be.
     pub fn end(&mut self, why: &str, now: Time) {
         if std::mem::replace(&mut self.over, true) {
             return;

@@ -1,4 +1,4 @@
-//! The lock: what was commissioned stays as it is until somebody unlocks it, even if the rig is started anew.
+//! The lock: what was commissioned stays as it is until somebody unlocks it, even if the rig is started again.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write};
@@ -39,7 +39,7 @@ impl Lock {
         self.now.as_ref()
     }
 
-    /// What whoever wants to change something is told.
+    /// What is reported to whoever wants to change something.
     ///
     /// # Errors
     /// The rig is locked.

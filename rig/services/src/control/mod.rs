@@ -2,10 +2,10 @@
 //! waiting.
 //!
 //! [`Hub`] is all of it but the socket: bytes of clients come in, bytes for them come out, the rig behind the trait
-//! [`Rig`] gets orders and tells. [`serve`] makes the socket and runs the hub on a thread of its own without real-time
+//! [`Rig`] gets orders and reports. [`serve`] makes the socket and runs the hub on a thread of its own without real-time
 //! priority.
 //!
-//! Goals: each request is answered once and in order; whoever does not read is told less, then cut off; memory is
+//! Goals: each request is answered once and in order; whoever does not read is sent less, then cut off; memory is
 //! bounded for every client. Not goals: the network, and secrecy between users who may open the socket.
 
 mod client;
@@ -16,12 +16,12 @@ mod lines;
 mod lock;
 mod orders;
 mod outbox;
+mod publish;
 mod requests;
 mod rig;
 mod serve;
 mod settings;
 mod socket;
-mod tell;
 mod topic;
 
 pub use client::{ClientId, Peer};

@@ -63,7 +63,7 @@ impl Orders {
         self.waiting.remove(&client);
     }
 
-    /// Who is next: everyone gives one order, then it begins anew.
+    /// Who is next: everyone gives one order, then it begins again.
     fn next(&self) -> Option<ClientId> {
         self.waiting.range(self.served + 1..).next().or(self.waiting.first()).copied()
     }

@@ -1,4 +1,4 @@
-//! What the rig tells is handed on to those who want it.
+//! What the rig reports is handed on to those who want it.
 
 use std::fmt::Write;
 use std::rc::Rc;
@@ -16,17 +16,17 @@ use super::topic::{Of, Subscription};
 const CHANGES: usize = 512;
 /// Lines of the log that are kept for those who come later.
 const LINES: usize = 1_000;
-/// What a case told that is kept for those who come later.
+/// What a case reported that is kept for those who come later.
 const PLAN_EVENTS: usize = 1_000;
-/// What is told of a plan may wait in a longer queue: it is little, and a verdict that is missing is missed.
+/// What is reported of a plan may wait in a longer queue: it is little, and a verdict that is missing is missed.
 const PLAN_QUEUES: usize = 8;
-/// A status is told at least so often, so that a client knows that the rig is there.
+/// A status is reported at least so often, so that a client knows that the rig is there.
 const SIGN_OF_LIFE: Span = Span::from_secs(1);
 
 impl Hub {
-    /// Takes what the rig tells.
-    pub(super) fn receive_event(&mut self, told: RigEvent, now: Time) {
-        match told {
+    /// Takes what the rig reports.
+    pub(super) fn receive_event(&mut self, event: RigEvent, now: Time) {
+        match event {
             RigEvent::Change { signal, at, value } => {
                 let Some(watchers) = self.watched.get(&signal) else { return };
                 let stepped = self.is_stepped();
@@ -93,7 +93,7 @@ impl Hub {
         }
     }
 
-    /// Tells a line to everyone who is subscribed to its topic; it is written once for all of them.
+    /// Sends a line to everyone who is subscribed to its topic; it is written once for all of them.
     fn publish(
         &mut self,
         is: impl Fn(&Of) -> bool,
@@ -125,7 +125,7 @@ impl Hub {
         }
     }
 
-    /// Tells what is due to those who have room for it.
+    /// Sends what is due to those who have room for it.
     pub(super) fn flush(&mut self, now: Time) {
         if !self.is_stepped() {
             self.flush_those(now, |one| one.due <= now, None);
@@ -134,7 +134,7 @@ impl Hub {
         }
     }
 
-    /// Tells everything that waits: `to` even if its queue is full, since it asks for nothing more before it is read.
+    /// Sends everything that waits: `to` even if its queue is full, since it asks for nothing more before it is read.
     pub(super) fn flush_all(&mut self, to: Option<ClientId>, now: Time) {
         self.flush_those(now, |one| one.due != Time::MAX, to);
     }
@@ -180,14 +180,14 @@ impl Hub {
                             one.due = if stepped { Time::MIN } else { now };
                         }
                     }
-                    Of::Status { told, last } => {
+                    Of::Status { reported, last } => {
                         let Some((line, edition)) = &line else { continue };
                         one.due = next;
                         let silent = !stepped && now - *last >= SIGN_OF_LIFE;
-                        if *told == Some(*edition) && !silent {
+                        if *reported == Some(*edition) && !silent {
                             continue;
                         }
-                        (*told, *last) = (Some(*edition), now);
+                        (*reported, *last) = (Some(*edition), now);
                         let mut head = String::new();
                         let _ = write!(head, "{{\"event\":\"status\",\"subscription\":{number},\"status\":");
                         client.out.put_written(&[&head, line, "}"], now);
@@ -226,7 +226,7 @@ impl Hub {
     }
 }
 
-/// Tells the next changes of a subscription; tells whether there were any.
+/// Sends the next changes of a subscription; whether there were any.
 fn publish_changes(
     subscription: u64,
     one: &mut Subscription,
@@ -242,7 +242,7 @@ fn publish_changes(
     true
 }
 
-/// Tells how many lines of a subscription were left out, if any were.
+/// Reports how many lines of a subscription were left out, if any were.
 fn publish_missed(subscription: u64, one: &mut Subscription, out: &mut super::outbox::Outbox, now: Time) {
     let lines = std::mem::take(&mut one.missed);
     if lines > 0 {

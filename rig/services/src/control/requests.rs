@@ -211,7 +211,7 @@ impl Hub {
                 return Err(fault);
             }
         }
-        // A value that nobody told so far is read; it comes with the answer.
+        // A value that nobody reported so far is read; it comes with the answer.
         let read: Vec<u32> =
             numbers.iter().copied().filter(|&signal| self.rig.last(signal).is_none()).collect();
         let orders = read.iter().map(|&signal| Order::Read(signal)).collect();
@@ -222,7 +222,7 @@ impl Hub {
             self.watched.entry(signal).or_default().insert((id, subscription));
         }
         let mut begun = Subscription::new(topic, numbers, limits.changes, now);
-        // Nothing is told of it before the answer.
+        // Nothing is reported of it before the answer.
         begun.due = Time::MAX;
         client.subscriptions.insert(subscription, begun);
         Ok(Outcome::Orders(orders, Then::Subscribed { subscription, signals, read }))
@@ -234,7 +234,7 @@ impl Hub {
         let Some(Work { id: number, then, values, fault, .. }) = client.work.take() else { return };
         self.status_cache.fresh = false;
         if self.is_stepped() {
-            // Whatever comes of the request is told before its answer: so a client that leads time knows it all.
+            // Whatever comes of the request is reported before its answer: so a client that leads time knows it all.
             self.flush_all(Some(id), now);
         }
         if let Some(fault) = fault {
@@ -334,7 +334,7 @@ impl Hub {
         Err(fault(codes::TOO_MUCH, message, "ask for fewer at once, or end subscriptions"))
     }
 
-    /// What a client is called where it is told to others.
+    /// What a client is called where it is reported to others.
     pub(super) fn called(&self, id: ClientId) -> String {
         let name = self.clients.get(&id).and_then(|client| client.name.clone());
         name.unwrap_or_else(|| format!("client {id}"))

@@ -42,7 +42,7 @@ pub enum Answer {
     Value(Value),
 }
 
-/// What the rig tells.
+/// What the rig reports.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RigEvent {
     /// A signal that is watched changed.
@@ -66,7 +66,7 @@ pub enum RigEvent {
     Ended(String),
 }
 
-/// The handle of a rig that runs. Its calls never wait for the scan; what they set off is told by [`Rig::poll`].
+/// The handle of a rig that runs. Its calls never wait for the scan; what they set off is reported by [`Rig::poll`].
 pub trait Rig: Send {
     /// The greeting, without the client's number.
     fn greeting(&self) -> Greeting;
@@ -74,7 +74,7 @@ pub trait Rig: Send {
     /// What it is.
     fn describe(&self) -> Description;
 
-    /// How it is, as far as is known by now; behind [`Order::Advance`], of the instant that was reached. Who is
+    /// How it is, as far as is known by now; after [`Order::Advance`], of the instant that was reached. Who is
     /// connected, the lock and who forced what are added by the socket.
     fn status(&self) -> Status;
 
@@ -84,7 +84,7 @@ pub trait Rig: Send {
     /// A name that the rig does not know, with the nearest one.
     fn find(&mut self, name: &str) -> Result<Signal, Fault>;
 
-    /// From now on changes of a signal are told, its present value as the first. It is watched as often as this was
+    /// From now on changes of a signal are reported, its present value as the first. It is watched as often as this was
     /// called, less as often as [`Rig::unwatch`] was.
     ///
     /// # Errors
@@ -94,7 +94,7 @@ pub trait Rig: Send {
     /// Ends that.
     fn unwatch(&mut self, signal: u32);
 
-    /// What a watched signal was by now, if anything was told of it.
+    /// What a watched signal was by now, if anything was reported of it.
     fn last(&self, signal: u32) -> Option<(When, Value)>;
 
     /// What it can run: the cases of plans, or the names of those that ship.
@@ -110,6 +110,6 @@ pub trait Rig: Send {
     /// them under way.
     fn order(&mut self, ticket: Ticket, order: Order) -> Result<(), Fault>;
 
-    /// Hands on what the rig told since the last call, in its order.
-    fn poll(&mut self, told: &mut dyn FnMut(RigEvent));
+    /// Hands on what the rig reported since the last call, in its order.
+    fn poll(&mut self, report: &mut dyn FnMut(RigEvent));
 }

@@ -62,12 +62,12 @@ impl Serving {
         &self.path
     }
 
-    /// Whether it is over: the rig told its end.
+    /// Whether it is over: the rig reported its end.
     pub fn is_over(&self) -> bool {
         self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }
 
-    /// Tells every client that the rig ends, and why, and waits until they know, but no longer than a second. The
+    /// Informs every client that the rig ends, and why, and waits until they know, but no longer than a second. The
     /// socket's file is gone then.
     pub fn end(mut self, why: &str) {
         self.finish(why);
@@ -296,7 +296,7 @@ fn poll_client(shared: &Shared, id: ClientId, stream: &UnixStream, cx: &mut Cont
     Poll::Pending
 }
 
-/// Sends what waits, as far as the kernel takes it; tells whether the connection still holds.
+/// Sends what waits, as far as the kernel takes it; reports whether the connection still holds.
 fn send(shared: &Shared, id: ClientId, stream: &UnixStream, cx: &mut Context) -> bool {
     loop {
         let mut hub = shared.hub.borrow_mut();

@@ -65,7 +65,7 @@ pub struct Limits {
     pub names: usize,
     /// Changes of a subscription to every change that wait for a client.
     pub changes: usize,
-    /// Bytes that wait for a client before it is told of nothing more, and before its next request is looked at.
+    /// Bytes that wait for a client before it is sent nothing more, and before its next request is looked at.
     pub queue: usize,
     /// How long a client may leave an answer unread before it is cut off.
     pub patience: Duration,

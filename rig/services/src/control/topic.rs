@@ -1,4 +1,4 @@
-//! Subscriptions: what waits to be told, and when.
+//! Subscriptions: what waits to be reported, and when.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -26,8 +26,8 @@ pub(super) struct Subscription {
 pub(super) enum Of {
     /// Changes of these signals.
     Signals { numbers: Vec<u32>, waiting: Waiting },
-    /// The status; which one was told last, and when.
-    Status { told: Option<u64>, last: Time },
+    /// The status; which one was reported last, and when.
+    Status { reported: Option<u64>, last: Time },
     /// The log.
     Log,
     /// Frames.
@@ -44,7 +44,7 @@ impl Subscription {
                 let waiting = Waiting::new(if all { changes } else { 0 });
                 (Of::Signals { numbers, waiting }, every_ms)
             }
-            Topic::Status { every_ms } => (Of::Status { told: None, last: now }, every_ms),
+            Topic::Status { every_ms } => (Of::Status { reported: None, last: now }, every_ms),
             Topic::Log => (Of::Log, 0),
             Topic::Frames => (Of::Frames, 0),
             Topic::Plan => (Of::Plan, 0),
@@ -62,7 +62,7 @@ impl Subscription {
     }
 }
 
-/// Changes of a subscription that wait to be told. The last change of each signal is never lost: a client that reads
+/// Changes of a subscription that wait to be reported. The last change of each signal is never lost: a client that reads
 /// slowly misses what was in between, and is not left with a value that has passed.
 #[derive(Debug)]
 pub(super) struct Waiting {
@@ -107,7 +107,7 @@ impl Waiting {
         self.all.push_back(change);
     }
 
-    /// Keeps the last change of a signal; tells whether another one had to give way.
+    /// Keeps the last change of a signal; reports whether another one had to give way.
     fn keep(&mut self, change: Change) -> bool {
         self.place += 1;
         self.newest.insert(change.0, (self.place, change)).is_some()
@@ -146,7 +146,7 @@ mod tests {
         waiting.put(signal, When::exactly(Time::from_nanos(at)), Value::Int(at));
     }
 
-    fn told(changes: &[Change]) -> Vec<(u32, i64)> {
+    fn reported(changes: &[Change]) -> Vec<(u32, i64)> {
         changes.iter().map(|change| (change.0, change.1)).collect()
     }
 
@@ -157,7 +157,7 @@ mod tests {
             put(&mut waiting, signal, at);
         }
         assert_eq!(waiting.take(1), (vec![Change(3, 2, 2, WireValue(Value::Int(2)))], 0));
-        assert_eq!(told(&waiting.take(9).0), [(7, 3)]);
+        assert_eq!(reported(&waiting.take(9).0), [(7, 3)]);
         assert!(waiting.is_empty());
     }
 
@@ -168,7 +168,7 @@ mod tests {
             put(&mut waiting, signal, at);
         }
         let (changes, missed) = waiting.take(100);
-        assert_eq!((told(&changes), missed), (vec![(1, 1), (2, 3), (2, 4), (2, 5)], 1));
+        assert_eq!((reported(&changes), missed), (vec![(1, 1), (2, 3), (2, 4), (2, 5)], 1));
     }
 
     proptest! {
@@ -181,7 +181,7 @@ mod tests {
             let mut take = |waiting: &mut Waiting, most| {
                 let (changes, lost) = waiting.take(most);
                 assert!(changes.len() <= most);
-                seen.extend(told(&changes));
+                seen.extend(reported(&changes));
                 missed += lost;
             };
             let mut last = BTreeMap::new();

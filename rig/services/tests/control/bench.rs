@@ -56,7 +56,7 @@ impl Bench {
         wait_for(|| self.log.lock().expect("nobody panicked").iter().any(|line| line.contains(words)), words);
     }
 
-    /// Behind this nobody is connected.
+    /// After this nobody is connected.
     pub fn is_empty(&self) {
         let mut client = self.client();
         wait_for(|| client.ok(json!({"do": "status"}))["clients"] == 1, "the others to be gone");

@@ -1,4 +1,4 @@
-//! A rig that does what it is told: signals `m0` to `m999`, orders that are carried out at the next turn, and a clock
+//! A rig that does what it is asked: signals `m0` to `m999`, orders that are carried out at the next turn, and a clock
 //! that clients step where the test wants it.
 
 use std::collections::{BTreeMap, VecDeque};
@@ -30,7 +30,7 @@ pub struct State {
     pub orders: VecDeque<(Ticket, Order)>,
     /// What was carried out.
     pub done: Vec<Order>,
-    pub told: Vec<RigEvent>,
+    pub reported: Vec<RigEvent>,
     pub state: String,
 }
 
@@ -53,15 +53,15 @@ impl Fake {
     pub fn log(&self, text: &str) {
         let mut state = self.state();
         let now = Time::from_nanos(state.now);
-        state.told.push(RigEvent::Log(now, text.into()));
+        state.reported.push(RigEvent::Log(now, text.into()));
     }
 
     pub fn frame(&self, frame: FrameSeen) {
-        self.state().told.push(RigEvent::Frame(frame));
+        self.state().reported.push(RigEvent::Frame(frame));
     }
 
     pub fn plan(&self, event: PlanEvent) {
-        self.state().told.push(RigEvent::Plan(event));
+        self.state().reported.push(RigEvent::Plan(event));
     }
 }
 
@@ -70,7 +70,7 @@ impl State {
         self.values.insert(signal, value);
         if self.watched.contains_key(&signal) {
             let at = When::exactly(Time::from_nanos(self.now));
-            self.told.push(RigEvent::Change { signal, at, value });
+            self.reported.push(RigEvent::Change { signal, at, value });
         }
     }
 
@@ -196,17 +196,17 @@ impl Rig for Fake {
         Ok(())
     }
 
-    fn poll(&mut self, told: &mut dyn FnMut(RigEvent)) {
+    fn poll(&mut self, reported: &mut dyn FnMut(RigEvent)) {
         let mut state = self.state();
         while !state.hangs
             && let Some((ticket, order)) = state.orders.pop_front()
         {
             let answer = state.carry_out(&order);
             state.done.push(order);
-            state.told.push(RigEvent::Answer(ticket, answer));
+            state.reported.push(RigEvent::Answer(ticket, answer));
         }
-        for one in std::mem::take(&mut state.told) {
-            told(one);
+        for one in std::mem::take(&mut state.reported) {
+            reported(one);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The control socket over real sockets, with a rig that does what it is told.
+//! The control socket over real sockets, with a rig that does what it is asked.
 
 mod bench;
 mod fake;

@@ -17,7 +17,7 @@ fn what_is_written_is_read_and_answers_come_in_order() {
     assert_eq!(client.refused(json!({"do": "read", "names": ["m3", "q"]})), "R0600 there is no q");
     assert_eq!(client.refused(json!({"do": "write", "name": "m3", "value": null})), "R0600 nothing to write");
     assert_eq!(client.ok(json!({"do": "plans", "path": "p"})), json!({"plans": ["p"]}));
-    // Many at once: each write is seen by the read behind it.
+    // Many at once: each write is seen by the read after it.
     let mut lines = String::new();
     for value in 0..200 {
         lines += &format!("{}\n", json!({"id": 2 * value, "do": "write", "name": "m5", "value": value}));
@@ -45,7 +45,7 @@ fn a_greeting_says_who_is_there_and_another_protocol_is_refused() {
 }
 
 #[test]
-fn signals_are_told_from_the_answer_on() {
+fn signals_are_reported_from_the_answer_on() {
     let bench = Bench::new();
     bench.rig.change(2, Value::Int(9));
     let mut client = bench.client();
@@ -88,7 +88,7 @@ fn a_subscription_that_cannot_be_leaves_nothing_watched() {
 }
 
 #[test]
-fn the_status_is_told_when_it_changes() {
+fn the_status_is_reported_when_it_changes() {
     let bench = Bench::new();
     let mut client = bench.client();
     client.ok(json!({"do": "subscribe", "topic": {"of": "status", "every_ms": 5}}));
@@ -133,7 +133,7 @@ fn a_terminal_and_its_address_are_one_thing() {
         |client: &mut crate::bench::Client| client.ok(json!({"do": "status"}))["forced"][0]["by"].clone();
     one.ok(json!({"do": "force", "name": "t5", "value": true}));
     assert_eq!(by(&mut one), "client 1");
-    // What another client forces anew is no longer the first one's.
+    // What another client forces again is no longer the first one's.
     other.ok(json!({"do": "force", "name": "m5", "value": false}));
     assert_eq!(by(&mut one), "client 2");
     drop(one);
@@ -195,7 +195,7 @@ fn a_lock_freezes_and_outlasts_the_rig() {
 }
 
 #[test]
-fn whoever_leads_time_is_told_everything_before_the_answer() {
+fn whoever_leads_time_is_sent_everything_before_the_answer() {
     let course = || {
         let bench = Bench::of(Fake::led(), |_| {});
         let mut client = bench.client();
@@ -208,16 +208,16 @@ fn whoever_leads_time_is_told_everything_before_the_answer() {
         client.events
     };
     let events = course();
-    let told = |subscription: u64| -> Vec<(i64, usize)> {
+    let reported = |subscription: u64| -> Vec<(i64, usize)> {
         let of = events
             .iter()
             .filter(|event| event["subscription"] == subscription && event["event"] == "signals");
         let changes = of.map(|event| event["changes"].as_array().expect("changes").clone());
         changes.map(|all| (all[all.len() - 1][3].as_i64().expect("a number"), all.len())).collect()
     };
-    assert_eq!(told(1).iter().map(|(_, count)| count).sum::<usize>(), 70);
-    assert_eq!(told(1), [(9, 9), (19, 10), (29, 10), (35, 6), (44, 9), (54, 10), (64, 10), (70, 6)]);
-    assert_eq!(told(2), [(19, 1), (35, 1), (54, 1), (70, 1)]);
+    assert_eq!(reported(1).iter().map(|(_, count)| count).sum::<usize>(), 70);
+    assert_eq!(reported(1), [(9, 9), (19, 10), (29, 10), (35, 6), (44, 9), (54, 10), (64, 10), (70, 6)]);
+    assert_eq!(reported(2), [(19, 1), (35, 1), (54, 1), (70, 1)]);
     // The same each time, byte for byte.
     assert_eq!(course(), events);
 }
@@ -247,6 +247,6 @@ fn whoever_leads_time_and_does_not_read_is_cut_off() {
     let mut client = bench.client();
     client.ok(signals(&["m0"], 5, true));
     client.send(b"{\"id\": 9, \"do\": \"advance\", \"by\": 20000000000}\n");
-    bench.logged("does not read what it is told");
+    bench.logged("does not read what it is sent");
     bench.is_empty();
 }

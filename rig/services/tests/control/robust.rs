@@ -71,7 +71,7 @@ fn a_thousand_clients_are_served() {
 }
 
 #[test]
-fn who_does_not_read_is_told_less_and_who_leaves_answers_unread_is_cut_off() {
+fn who_does_not_read_is_sent_less_and_who_leaves_answers_unread_is_cut_off() {
     let patience = Duration::from_millis(300);
     let bench = Bench::of(Fake::default(), |settings| {
         settings.limits = Limits { patience, changes: 100, ..Limits::default() };
@@ -110,8 +110,8 @@ fn who_does_not_read_is_told_less_and_who_leaves_answers_unread_is_cut_off() {
         }
     }
     // The sleeper wakes: what it missed is counted, and it ends with the last value.
-    let (mut seen, mut missed, mut told, mut left_out, mut value) = (0, 0, 0, 0, 0);
-    while value != last || told + left_out < frames {
+    let (mut seen, mut missed, mut reported, mut left_out, mut value) = (0, 0, 0, 0, 0);
+    while value != last || reported + left_out < frames {
         let event = sleeper.event();
         match event["event"].as_str() {
             Some("signals") => {
@@ -120,13 +120,13 @@ fn who_does_not_read_is_told_less_and_who_leaves_answers_unread_is_cut_off() {
                 missed += event["missed"].as_u64().expect("a count");
                 value = changes[changes.len() - 1][3].as_i64().expect("a value");
             }
-            Some("frame") => told += 1,
+            Some("frame") => reported += 1,
             Some("missed") => left_out += event["lines"].as_u64().expect("a count"),
             _ => panic!("{event}"),
         }
     }
     assert!(missed > 0 && left_out > 0, "{missed} {left_out}");
-    assert_eq!((seen + missed, told + left_out), (last as u64, frames));
+    assert_eq!((seen + missed, reported + left_out), (last as u64, frames));
 }
 
 fn frame(number: u64) -> FrameSeen {
@@ -162,7 +162,7 @@ fn floods_of_requests_do_not_keep_others_waiting() {
             most = most.max(answered.load(Ordering::Relaxed) - before);
         }
         over.store(true, Ordering::Relaxed);
-        // Everyone has one turn after the other: its request does not stand behind thousands. The rest of the bound is
+        // Everyone has one turn after the other: its request does not stand after thousands. The rest of the bound is
         // for threads that wait for a processor.
         assert!(most < 500 * FLOODS as u64, "{most} other requests came first");
     });
@@ -180,7 +180,7 @@ fn what_was_asked_is_answered_behind_the_end_of_the_input() {
 }
 
 #[test]
-fn at_the_end_everyone_is_told_and_every_request_is_answered() {
+fn at_the_end_everyone_is_informed_and_every_request_is_answered() {
     let mut bench = Bench::new();
     let mut idle = bench.client();
     let mut waits = bench.client();
@@ -197,7 +197,7 @@ fn at_the_end_everyone_is_told_and_every_request_is_answered() {
 }
 
 #[test]
-fn who_comes_later_hears_what_was_told_before() {
+fn who_comes_later_hears_what_was_reported_before() {
     let bench = Bench::new();
     bench.rig.log("the first line");
     let case = PlanEvent::Case { name: "a".into(), place: (1, 1), steps: Vec::new(), claims: Vec::new() };

@@ -120,10 +120,10 @@ impl PlacedQuantity {
             if !rest.starts_with(|c: char| c.is_ascii_digit()) {
                 return Err(QuantityFault::Number.at(at));
             }
-            let (part, behind) = PlacedQuantity::part(rest, at)?;
+            let (part, after) = PlacedQuantity::part(rest, at)?;
             let sum = nanos.checked_add(sign * part.span()?.as_nanos());
             nanos = sum.ok_or(QuantityFault::TooLong.at(placed.at))?;
-            rest = behind;
+            rest = after;
         }
         placed.quantity = Quantity::from(Span::from_nanos(nanos));
         Ok(placed)

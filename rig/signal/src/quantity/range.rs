@@ -113,12 +113,12 @@ enum WrittenRange {
 impl WrittenRange {
     fn read(text: &str) -> Result<WrittenRange, QuantityError> {
         if let Some(at) = text.find(ENDS) {
-            let behind = at + ENDS.len();
+            let after = at + ENDS.len();
             let end = |text: &str, from: usize| match text.trim().is_empty() {
                 true => Ok(None),
                 false => PlacedQuantity::read(text, from).map(Some),
             };
-            let (mut min, max) = (end(&text[..at], 0)?, end(&text[behind..], behind)?);
+            let (mut min, max) = (end(&text[..at], 0)?, end(&text[after..], after)?);
             match (&mut min, &max) {
                 (None, None) => return Err(QuantityFault::NoEnds.at(at)),
                 (Some(min), Some(max)) => min.lend(max),
@@ -128,9 +128,9 @@ impl WrittenRange {
         }
         let signs = AROUND.iter().filter_map(|sign| text.find(sign).map(|at| (at, sign.len())));
         if let Some((at, length)) = signs.min() {
-            let behind = at + length;
+            let after = at + length;
             let mut middle = PlacedQuantity::read(&text[..at], 0)?;
-            let band = PlacedQuantity::read(&text[behind..], behind)?;
+            let band = PlacedQuantity::read(&text[after..], after)?;
             if !band.quantity.is_part() {
                 middle.lend(&band);
             }

@@ -361,7 +361,7 @@ fn a_failed_store_ends_the_trace() {
     let mut errors = 0;
     for n in 0..2000 {
         match trace.push(change(SignalId(1), n, Value::Int(n * 1000))) {
-            Ok(_) => assert_eq!(errors, 0, "an event behind a hole"),
+            Ok(_) => assert_eq!(errors, 0, "an event after a hole"),
             Err(error) => {
                 let kind = io::ErrorKind::StorageFull;
                 assert_eq!(error, TraceError::Io { transfer: Transfer::Spill, kind });

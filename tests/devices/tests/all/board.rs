@@ -152,7 +152,7 @@ impl Going {
         let pid = self.child.id().to_string();
         assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
         let code = self.child.wait().unwrap().code();
-        // The reader ends with the pipe, right behind the process.
+        // The reader ends with the pipe, right after the process.
         wait_for("all lines are read", PATIENCE, || Arc::strong_count(&self.lines) == 1);
         let lines = self.lines.lock().unwrap().clone();
         (code, lines)
@@ -195,14 +195,14 @@ pump   drives line 9, on gpiochip0, free
 
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
-fn a_watch_tells_every_change_and_leaves_outputs_alone() {
+fn a_watch_reports_every_change_and_leaves_outputs_alone() {
     let lab = Lab::enter();
     // If an output were claimed, the line that is wired to it would move.
     lab.wire_inverted(MAIN.line(9), MAIN.line(2));
     let watch = Going::start(&["board", "watch", &write("bench.toml", BENCH)]);
     watch.await_line("door  0");
     watch.await_line("low  1");
-    // The simulated chip tells of a change only when the one before is through.
+    // The simulated chip reports a change only when the one before is through.
     for (turn, level) in [true, false, true].into_iter().enumerate() {
         for line in [MAIN.line(24), MAIN.line(1)] {
             line.pull(level);
@@ -250,11 +250,11 @@ fn an_exercise_moves_the_outputs_agreed_to_one_at_a_time_and_leaves_them_safe() 
     let file = write("bench.toml", BENCH);
     let ran = run(&["board", "exercise", &file, "--yes", "valve", "--hold", "200 ms"]);
     assert_eq!(ran.code, 0, "{}{}", ran.out, ran.err);
-    let told = |out: &str| -> Vec<String> {
+    let reported = |out: &str| -> Vec<String> {
         let words = out.lines().map(|line| line.split(" within").next().unwrap().to_owned());
         words.collect()
     };
-    assert_eq!(told(&ran.out), ["valve", "  to 1: door rises", "  to 0: door falls"]);
+    assert_eq!(reported(&ran.out), ["valve", "  to 1: door rises", "  to 0: door falls"]);
     assert!(!MAIN.line(8).value() && !MAIN.line(9).value());
     // A low level of `low` is 1, and its wire inverts: it follows the pump, which is safe when it is driven.
     let ran = run(&["board", "exercise", &file, "--yes", "valve,pump", "--hold", "200 ms"]);
@@ -266,7 +266,7 @@ fn an_exercise_moves_the_outputs_agreed_to_one_at_a_time_and_leaves_them_safe() 
         "  to 0: low falls",
         "  to 1: low rises",
     ];
-    assert_eq!((ran.code, told(&ran.out)), (0, both.map(str::to_owned).into()), "{}", ran.err);
+    assert_eq!((ran.code, reported(&ran.out)), (0, both.map(str::to_owned).into()), "{}", ran.err);
     let nobody = run(&["board", "exercise", &file]);
     assert!(nobody.code == 2 && nobody.err.contains("R0245") && nobody.out.is_empty(), "{}", nobody.err);
 }

@@ -104,7 +104,7 @@ fn scans_start_as_punctually_while_a_can_controller_hangs() {
     let _lab = Lab::enter();
     let trouble = |what: &str| format!("/sys/class/net/rcan0/trouble/{what}");
     let write = |what: &str, value: &str| std::fs::write(trouble(what), value).unwrap();
-    // Behind each bus-off the rig starts the controller again, a call of a second. The lock of all interfaces is held
+    // After each bus-off the rig starts the controller again, a call of a second. The lock of all interfaces is held
     // meanwhile.
     let devices = "[buses]
 bus = { kind = \"can\", interface = \"rcan0\", bitrate = 500_000, restart = \"10 ms\" }
@@ -142,7 +142,7 @@ buses = { bus = { kind = \"can\", interface = \"rcan0\", bitrate = 500_000 } }
 }
 
 /// Holds how late scans start while a call on a device hangs, three times for a second, against how late they start at
-/// other times. `begin` lets the next call hang, `inside` tells how many do. `devices` are on the board beside its lines.
+/// other times. `begin` lets the next call hang, `inside` counts how many do. `devices` are on the board beside its lines.
 fn punctual(devices: &str, begin: impl Fn() + Sync, inside: impl Fn() -> u32 + Sync) {
     // A scan each 10 ms, whose output turns in each.
     let bench = Bench::beside(devices, Span::from_millis(10), 1, Span::from_secs(12));
@@ -211,10 +211,10 @@ fn a_hundred_thousand_scans_allocate_nothing_and_lose_no_edge_in_silence() {
         let looking = scope.spawn(looking);
         (bench.run(), looking.join().unwrap())
     });
-    let (made, told) = counts.output();
+    let (made, reported) = counts.output();
     let (seen, lost) = counts.input();
     println!(
-        "\nfigure: {} scans; {} asked for, {made} made, {told} taken back, {seen} seen, {lost} reported lost; \
+        "\nfigure: {} scans; {} asked for, {made} made, {reported} taken back, {seen} seen, {lost} reported lost; \
          {} kB resident, {} kB locked",
         outcome.scans, outcome.asked, last.resident, last.locked
     );
@@ -226,8 +226,12 @@ fn a_hundred_thousand_scans_allocate_nothing_and_lose_no_edge_in_silence() {
     let driven_back = made % 2;
     assert_eq!(driven_back, 0, "{made} edges made");
     assert!(made > 1_000, "{made} edges made");
-    // Seen or reported lost. A machine that stands still has edges told twice now and then, late ones behind their loss.
+    // Seen or reported lost. A machine that stands still has edges reported twice now and then, late ones after their loss.
     assert!((made..=made + made / 10).contains(&(seen + lost)), "{made} made, {seen} seen, {lost} lost");
     // What a late rig asked for and took back before the device came to it is reported, too; at least some of it.
-    assert!(made == outcome.asked || made + told <= outcome.asked && told > 0, "{} asked for", outcome.asked);
+    assert!(
+        made == outcome.asked || made + reported <= outcome.asked && reported > 0,
+        "{} asked for",
+        outcome.asked
+    );
 }

@@ -43,7 +43,7 @@ END_PROGRAM
 signals = { wire = "%IX0.0", quiet = "%QX0.5", cutter = "K1" }
 steps = [
   { id = "cut", at = "start + 600 ms", fault = { signal = "wire", kind = "open" } },
-  { id = "mend", at = "start + 1600 ms", clear = { signal = "wire" } },
+  { id = "cleared", at = "start + 1600 ms", clear = { signal = "wire" } },
   { id = "short", at = "start + 2600 ms", fault = { signal = "wire", kind = "short-to-ground", for = "800 ms" } },
   { id = "held", at = "start + 4 s", fault = { signal = "wire", kind = "stuck", value = true, for = "200 ms" } },
 ]
@@ -51,10 +51,10 @@ expect = [
   { rises = { signal = "cutter", from = "start + 100 ms", within = "100 ms .. 1 s" } },
   { falls = { signal = "wire", from = "start + 100 ms", within = "100 ms .. 1 s" } },
   { rises = { signal = "quiet", from = "cut", within = "0 ms .. 800 ms" } },
-  { falls = { signal = "quiet", from = "mend", within = "0 ms .. 800 ms" } },
+  { falls = { signal = "quiet", from = "cleared", within = "0 ms .. 800 ms" } },
   { rises = { signal = "quiet", from = "short", within = "0 ms .. 800 ms" } },
   { value = { of = "wire @ cut.done + 400 ms", is = false } },
-  { value = { of = "wire @ mend.done + 400 ms", is = true } },
+  { value = { of = "wire @ cleared.done + 400 ms", is = true } },
   { value = { of = "wire @ short.done - 450 ms", is = false } },
   { stays = { signal = "wire", is = true, from = "held", until = "end" } },
 ]
@@ -96,7 +96,7 @@ impl Folder {
     }
 }
 
-/// The wire and its relays, whose contacts move 5 ms behind their coils.
+/// The wire and its relays, whose contacts move 5 ms after their coils.
 fn wired() -> Lab {
     let lab = Lab::enter();
     lab.wire(MAIN.line(8), MAIN.line(0));
@@ -114,7 +114,7 @@ fn a_plan_cuts_and_shorts_a_real_wire() {
     let (code, out, err) = folder.run(&["test", "wire.toml", "--report", "out"]);
     assert_eq!(code, 0, "{out}{err}");
     assert!(out.contains("1 passed") || out.contains("pass"), "{out}");
-    assert!((12..=14).all(|line| !MAIN.line(line).value()), "the relays are off behind the run");
+    assert!((12..=14).all(|line| !MAIN.line(line).value()), "the relays are off after the run");
 }
 
 #[test]
@@ -151,7 +151,7 @@ fn a_rig_that_is_killed_leaves_no_fault_on_a_wire() {
 
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
-fn an_exercise_tells_which_relay_does_what() {
+fn an_exercise_shows_which_relay_does_what() {
     let _lab = wired();
     MAIN.line(0).pull(true);
     let folder = Folder::new("exercise", BOARD);
@@ -168,7 +168,7 @@ fn an_exercise_tells_which_relay_does_what() {
 
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
-fn a_second_user_is_told_who_has_the_bench_and_may_wait() {
+fn a_second_user_sees_who_has_the_bench_and_may_wait() {
     let _lab = wired();
     let folder = Folder::new("users", &BOARD.replace("limit = \"5 s\"", "limit = \"1 s\""));
     let plan = PLAN.replace("start + 1600 ms", "start + 60 s").replace("start + 5 s", "start + 90 s");

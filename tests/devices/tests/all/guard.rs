@@ -37,7 +37,7 @@ fn all(safe: bool) -> bool {
 /// `guarded` at work.
 struct Rig {
     process: Child,
-    told: Option<ChildStdin>,
+    reported: Option<ChildStdin>,
     says: BufReader<ChildStdout>,
     said: &'static Path,
 }
@@ -57,9 +57,9 @@ impl Rig {
             .stderr(File::create(said).unwrap())
             .spawn()
             .unwrap();
-        let told = process.stdin.take();
+        let reported = process.stdin.take();
         let says = BufReader::new(process.stdout.take().unwrap());
-        Rig { process, told, says, said }
+        Rig { process, reported, says, said }
     }
 
     /// One whose outputs are driven away from their safe levels, and that lives.
@@ -91,7 +91,7 @@ impl Rig {
     }
 
     fn go_on(&mut self) {
-        self.told = None;
+        self.reported = None;
     }
 
     fn pid(&self) -> Pid {
@@ -156,7 +156,7 @@ fn become_safe(what: &str, since: Instant, within: Duration) -> Duration {
 fn stay_safe(lasts: Duration) {
     let until = Instant::now() + lasts;
     while Instant::now() < until {
-        assert!(all(true), "an output changed behind the latch");
+        assert!(all(true), "an output changed after the latch");
     }
 }
 
@@ -243,7 +243,7 @@ fn a_scan_stuck_in_a_device_call() {
 }
 
 /// The one thing that nobody can help: a write that is inside the kernel. It comes through, and the guard's drive
-/// comes right behind it.
+/// comes right after it.
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
 fn a_write_that_was_inside_the_kernel() {

@@ -181,7 +181,7 @@ fn is_made_safe(what: &str, since: Instant, within: Duration) {
     becomes_safe(what, since, within);
     let until = Instant::now() + Duration::from_millis(50);
     while Instant::now() < until {
-        assert!(safe(), "{what}: an output changed behind the latch");
+        assert!(safe(), "{what}: an output changed after the latch");
     }
 }
 
@@ -281,7 +281,7 @@ fn a_chip_that_hangs_while_it_is_made_safe_holds_up_no_other() {
     let since = Instant::now();
     wait_for("the chip is safe", PATIENCE, || !MAIN.line(8).value());
     println!(
-        "\nfigure: rig test with a write that hangs for 2 s: its chip safe {:?} behind the other",
+        "\nfigure: rig test with a write that hangs for 2 s: its chip safe {:?} after the other",
         since.elapsed()
     );
     let code = run.exit_code();

@@ -100,15 +100,15 @@ fn single_reads_are_volts_between_two_instants() {
         adc.set(2, volts);
         adc.set(0, -volts / 2.0);
         let begin = HostInstant::now();
-        let told = readings(&mut *converter, 2);
+        let reported = readings(&mut *converter, 2);
         let end = HostInstant::now();
-        assert_eq!(told.iter().map(|one| one.input).collect::<Vec<_>>(), [0, 1]);
-        assert_eq!(told[0].range, range, "{volts} V");
-        assert!(range != InRange::Yes || near(told[0].value, volts), "{volts} V: {told:?}");
-        assert!(near(told[1].value, -volts / 2.0), "{volts} V: {told:?}");
+        assert_eq!(reported.iter().map(|one| one.input).collect::<Vec<_>>(), [0, 1]);
+        assert_eq!(reported[0].range, range, "{volts} V");
+        assert!(range != InRange::Yes || near(reported[0].value, volts), "{volts} V: {reported:?}");
+        assert!(near(reported[1].value, -volts / 2.0), "{volts} V: {reported:?}");
         let mut last = begin;
-        for stamp in told.iter().flat_map(|one| [one.before, one.after]).chain([end]) {
-            assert!(last <= stamp, "{told:?}");
+        for stamp in reported.iter().flat_map(|one| [one.before, one.after]).chain([end]) {
+            assert!(last <= stamp, "{reported:?}");
             last = stamp;
         }
     }
@@ -130,18 +130,19 @@ fn a_timer_of_the_rigs_own_samples_with_instants_and_goes_with_it() {
     adc.set(1, 4.0);
     adc.set(3, 5.0);
     let latest = HostInstant::now();
-    let mut told = Vec::new();
-    while told.iter().filter(|one: &&AdcReading| one.before > latest).count() < 6 {
-        told.extend(readings(&mut *converter, 1));
+    let mut reported = Vec::new();
+    while reported.iter().filter(|one: &&AdcReading| one.before > latest).count() < 6 {
+        reported.extend(readings(&mut *converter, 1));
     }
-    for one in &told {
+    for one in &reported {
         let (old, new) = if one.input == 0 { (-5.0, 5.0) } else { (0.0, 4.0) };
         // Of a sample that lies within the change, nobody knows.
         assert!(one.after >= earliest || near(one.value, old), "{one:?} before {earliest:?}");
         assert!(one.before <= latest || near(one.value, new), "{one:?} after {latest:?}");
         assert!(one.before <= one.after && one.after <= HostInstant::now());
     }
-    let stamps: Vec<HostInstant> = told.iter().filter(|one| one.input == 1).map(|one| one.before).collect();
+    let stamps: Vec<HostInstant> =
+        reported.iter().filter(|one| one.input == 1).map(|one| one.before).collect();
     assert!(stamps.windows(2).all(|two| two[0] < two[1]), "{stamps:?}");
     drop(converter);
     assert!(!running());
@@ -207,15 +208,15 @@ fn a_trigger_that_a_program_fires_gives_a_sample_each_time() {
         adc.set(2, volts);
         let fired = HostInstant::now();
         fs::write(&now, "1").unwrap();
-        let told = readings(&mut *converter, 1);
+        let reported = readings(&mut *converter, 1);
         let end = HostInstant::now();
-        let [one] = &told[..] else { panic!("one trigger, one sample: {told:?}") };
-        assert!(near(one.value, volts), "{volts} V: {told:?}");
+        let [one] = &reported[..] else { panic!("one trigger, one sample: {reported:?}") };
+        assert!(near(one.value, volts), "{volts} V: {reported:?}");
         assert!(
             fired <= one.before && one.before <= one.after && one.after <= end,
-            "{fired:?} {told:?} {end:?}"
+            "{fired:?} {reported:?} {end:?}"
         );
-        assert!(last < one.before, "{last:?} {told:?}");
+        assert!(last < one.before, "{last:?} {reported:?}");
         last = one.before;
     }
     drop(converter);
@@ -281,13 +282,13 @@ fn a_device_that_is_taken_away_says_so_and_can_be_had_again() {
         drop(converter);
         adc.set(0, 1.0);
         let mut again = opened(keys, &[0]);
-        let told = readings(&mut *again, 2);
-        assert!(near(told[1].value, 1.0), "{told:?}");
+        let reported = readings(&mut *again, 2);
+        assert!(near(reported[1].value, 1.0), "{reported:?}");
     }
     assert!(!timers().iter().any(|name| name.starts_with("rig-iio")));
 }
 
-/// A board at work, and what it told.
+/// A board at work, and what it reported.
 struct Bench {
     board: Box<dyn Board>,
     at: BoardContext,
@@ -327,7 +328,7 @@ fn shows(event: &BoardEvent, channel: u16, near: f64, within: f64) -> bool {
 
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
-fn a_board_tells_quantities_between_the_instants_of_their_samples() {
+fn a_board_reports_quantities_between_the_instants_of_their_samples() {
     let (_lab, adc) = (Lab::enter(), Adc::enter());
     // 0 to 10 V are 0 to 16 bar.
     let channels = "pressure = { kind = \"analog\", unit = \"bar\", input = 1, deadband = \"0.1 bar\", \
@@ -349,11 +350,11 @@ fn a_board_tells_quantities_between_the_instants_of_their_samples() {
         adc.set(1, 7.53);
         adc.set(3, 0.25);
         bench.until("the new level", |event| shows(event, 1, 250.0, 0.5));
-        let told = bench
+        let reported = bench
             .events
             .iter()
             .filter(|event| event.channel() == ChannelId(0) && shows(event, 0, 12.05, 0.01));
-        assert_eq!(told.count(), 0, "{keys}: {:?}", bench.events);
+        assert_eq!(reported.count(), 0, "{keys}: {:?}", bench.events);
         assert_eq!(bench.board.health().lost, 0);
         bench.board.safe(bench.at.time.now()).unwrap();
     }
@@ -376,7 +377,7 @@ fn a_board_loses_a_converter_that_hangs_or_goes_and_takes_it_back() {
             }
             bench.until(
                 "it is lost",
-                |event| matches!(event, BoardEvent::Lost { reason: told, .. } if *told == reason),
+                |event| matches!(event, BoardEvent::Lost { reason: reported, .. } if *reported == reason),
             );
             assert_eq!(bench.board.health().lost, 1, "{keys}");
             if reason == LossReason::Gone {

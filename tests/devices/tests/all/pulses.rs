@@ -214,7 +214,7 @@ fn pulses_beyond_the_promise_are_not_made() {
     assert_eq!(wired.count(), 0);
 }
 
-/// A count of faster pulses than the board promises to tell is open, and stays so when the trace is judged again.
+/// A count of faster pulses than the board promises to report is open, and stays so when the trace is judged again.
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
 fn what_is_counted_beyond_the_promise_is_open() {

@@ -58,7 +58,7 @@ measure = [
 ]
 "#;
 
-/// Between pulses and what has to come certainly before or behind them.
+/// Between pulses and what has to come certainly before or after them.
 const QUIET: Duration = Duration::from_millis(1_000);
 
 /// A pulse, and between which instants it began, in seconds. Each edge waits until the controller has seen the one before: a

@@ -1,4 +1,4 @@
-//! Devices that fail, hang or go away while a case runs: what a user is told, what becomes of the outputs, and of the next
+//! Devices that fail, hang or go away while a case runs: what is reported to a user, what becomes of the outputs, and of the next
 //! case.
 
 mod every;

@@ -299,7 +299,7 @@ impl View for IoView {
         };
         vec![match asked {
             Ok(ask) => ViewRequest::Operation(ask),
-            Err(told) => ViewRequest::Message(told),
+            Err(message) => ViewRequest::Message(message),
         }]
     }
 }

@@ -210,7 +210,7 @@ fn plan() -> Vec<PlanEvent> {
             verdict: word("fail"),
             reason: word("`on` does not hold"),
             claims: vec![
-                (word("on"), word("fail"), word("it rose 562.1 ms behind press")),
+                (word("on"), word("fail"), word("it rose 562.1 ms after press")),
                 (word("off"), word("pass"), String::new()),
             ],
             measured: vec![

@@ -67,8 +67,8 @@ impl TrendLine {
 
     /// The value at an instant.
     pub fn at(&self, at: i64) -> Value {
-        let behind = self.points.partition_point(|point| point.at <= at);
-        behind.checked_sub(1).and_then(|place| self.points.get(place)).map_or(Value::Unknown, |p| p.value)
+        let after = self.points.partition_point(|point| point.at <= at);
+        after.checked_sub(1).and_then(|place| self.points.get(place)).map_or(Value::Unknown, |p| p.value)
     }
 
     /// The last value that was seen.
@@ -81,8 +81,8 @@ impl TrendLine {
         if forward {
             self.points.get(self.points.partition_point(|point| point.at <= at)).copied()
         } else {
-            let behind = self.points.partition_point(|point| point.at < at);
-            behind.checked_sub(1).and_then(|place| self.points.get(place)).copied()
+            let after = self.points.partition_point(|point| point.at < at);
+            after.checked_sub(1).and_then(|place| self.points.get(place)).copied()
         }
     }
 }

@@ -92,12 +92,12 @@ fn places_behind_addresses() {
     // p := ADR(x); p^ (at offset 4) := 9
     let p = place(TreeRoot::Absolute, map::FIRST + 64, Ty::Address);
     let address = typed(ExprKind::AddressOf(global(8, Dint)), Ty::Address);
-    let behind = place(TreeRoot::Address(Box::new(load(p.clone()))), 4, one(Dint));
-    let ran = run(vec![set(p.clone(), address), set(behind.clone(), number(9, Dint))]);
+    let pointed_at = place(TreeRoot::Address(Box::new(load(p.clone()))), 4, one(Dint));
+    let ran = run(vec![set(p.clone(), address), set(pointed_at.clone(), number(9, Dint))]);
     assert_eq!((ran.cell(12, Dint), ran.nanos), (9, 25 + 24 + 25));
     // NULL is found though the offset leads to a variable.
     let tree =
-        program(vec![unit("MAIN", 0, vec![set(TreePlace { offset: 100, ..behind }, number(9, Dint))])]);
+        program(vec![unit("MAIN", 0, vec![set(TreePlace { offset: 100, ..pointed_at }, number(9, Dint))])]);
     let mut machine = Machine::new(Arc::new(made(tree)), &[vec![0]]).unwrap();
     machine.begin(0);
     assert!(matches!(machine.resume(0, Time::ZERO, Span::from_secs(1), &mut NoHost).stop, Stop::Fault(_)));
@@ -271,8 +271,8 @@ fn values_that_were_given_a_place() {
     let hidden = place(TreeRoot::Frame, 0, one(Dint));
     let address = typed(ExprKind::AddressOf(hidden.clone()), Ty::Address);
     let kept = typed(ExprKind::Sequence(vec![set(hidden, number(7, Dint))], Box::new(address)), Ty::Address);
-    let behind = place(TreeRoot::Address(Box::new(kept)), 0, one(Dint));
-    let main = unit("MAIN", 8, vec![set(global(0, Dint), load(behind))]);
+    let pointed_at = place(TreeRoot::Address(Box::new(kept)), 0, one(Dint));
+    let main = unit("MAIN", 8, vec![set(global(0, Dint), load(pointed_at))]);
     let ran = run_tree(program(vec![main]));
     assert_eq!((ran.cell(0, Dint), ran.nanos), (7, 25 + 24 + 25));
 }
@@ -282,8 +282,9 @@ fn addresses_are_counted_on() {
     let p = place(TreeRoot::Absolute, map::FIRST + 64, Ty::Address);
     let start = typed(ExprKind::AddressOf(global(0, Dint)), Ty::Address);
     let ahead = ExprKind::Offset(Box::new(load(p.clone())), Box::new(load(global(72, Lint))));
-    let behind = place(TreeRoot::Address(Box::new(typed(ahead, Ty::Address))), 0, one(Dint));
-    let ran = run(vec![set(global(72, Lint), number(8, Lint)), set(p, start), set(behind, number(9, Dint))]);
+    let pointed_at = place(TreeRoot::Address(Box::new(typed(ahead, Ty::Address))), 0, one(Dint));
+    let ran =
+        run(vec![set(global(72, Lint), number(8, Lint)), set(p, start), set(pointed_at, number(9, Dint))]);
     assert_eq!((ran.cell(8, Dint), ran.nanos), (9, 50 + 25 + (24 + 48 + 41) + 25));
 }
 

@@ -34,7 +34,7 @@ pub(super) fn element(plain: &FastStep, lookups: &[FoldedLoop]) -> Option<QuickS
                 _ => return None,
             };
             if found.lookup.ty == IndexType::Constant {
-                return behind(plain, side, &found.lookup);
+                return to_offset(plain, side, &found.lookup);
             }
             let (op, width) = one(plain.op, side)?;
             // The operand that is no element.
@@ -65,11 +65,11 @@ pub(super) fn element(plain: &FastStep, lookups: &[FoldedLoop]) -> Option<QuickS
 }
 
 /// What goes after an address: a pin of an instance that was found.
-fn behind(plain: &FastStep, side: ElementSide, lookup: &Lookup) -> Option<QuickStep> {
+fn to_offset(plain: &FastStep, side: ElementSide, lookup: &Lookup) -> Option<QuickStep> {
     let op = match plain.op {
-        Op::Move8 => Op::Behind8,
-        Op::Move16 => Op::Behind16,
-        Op::Move32 => Op::Behind32,
+        Op::Move8 => Op::ToOffset8,
+        Op::Move16 => Op::ToOffset16,
+        Op::Move32 => Op::ToOffset32,
         _ => return None,
     };
     let fits = side == ElementSide::A && lookup.indirect && lookup.add <= lookup.last;

@@ -135,18 +135,18 @@ impl Folder<'_> {
             return (step, 2);
         }
         let mut lookups: Vec<FoldedLoop> = Vec::new();
-        let mut behind = pc;
+        let mut after = pc;
         while lookups.len() < 3
-            && let Some(found) = self.lookup(behind)
+            && let Some(found) = self.lookup(after)
         {
-            behind += found.length;
+            after += found.length;
             lookups.push(found);
         }
         while !lookups.is_empty() {
-            if let Some(step) = self.folded(pc, behind, &lookups) {
-                return (step, behind - pc + 1);
+            if let Some(step) = self.folded(pc, after, &lookups) {
+                return (step, after - pc + 1);
             }
-            behind -= lookups.pop().map_or(0, |found| found.length);
+            after -= lookups.pop().map_or(0, |found| found.length);
         }
         match self.plain_lookup(plain).and_then(|found| address(plain, &found)) {
             Some(step) => (QuickStep { cost: plain.cost, ..step }, 1),
@@ -292,7 +292,7 @@ impl Folder<'_> {
                 return true;
             }
         }
-        // Behind the last unit.
+        // After the last unit.
         self.code.len().saturating_sub(from) <= FAR
     }
 }

@@ -233,7 +233,7 @@ impl Quick {
                         put!(at, load!($ty, from));
                     }};
                 }
-                macro_rules! behind {
+                macro_rules! to_offset {
                     ($ty:ident) => {{
                         let Some(at) = follow(memory, a!()) else { fault!(BadReference) };
                         put!((at as u32).wrapping_add(step.d) as usize, load!($ty, b!()));

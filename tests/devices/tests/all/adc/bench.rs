@@ -28,7 +28,7 @@ pub fn volts(inputs: impl IntoIterator<Item = u8>) -> String {
         .collect()
 }
 
-/// A board at work, and what it told.
+/// A board at work, and what it reported.
 pub struct Bench {
     pub board: Box<dyn Board>,
     pub at: BoardContext,

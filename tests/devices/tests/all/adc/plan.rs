@@ -82,7 +82,7 @@ END_PROGRAM
 ";
 
 const PLAN: &str = r#"format = 1
-title = "The oven becomes warm behind its heater"
+title = "The oven becomes warm by its heater"
 program = "main.st"
 signals = { heater = "%QX0.4", temperature = "temperature" }
 ends = "start + 4 s"

@@ -5,7 +5,7 @@ use devices::{ADS8688, MCP3008, PATIENCE, bind_spi, wait_for};
 use rustix::process::{Pid, Signal, kill_process};
 use std::process::{Command, Stdio};
 
-/// The calls of this process on the bus as `strace` tells them, while it is looked on for a while.
+/// The calls of this process on the bus as `strace` reports them, while it is looked on for a while.
 fn calls(bench: &mut Bench, frames: impl Fn() -> u64) -> Vec<String> {
     let shown = "/tmp/adc.strace";
     let _ = std::fs::remove_file(shown);

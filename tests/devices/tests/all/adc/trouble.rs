@@ -42,7 +42,7 @@ fn wires_that_are_stuck_and_bits_that_slip_are_no_voltages() {
 
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
-fn a_transfer_that_hangs_is_told_and_survived() {
+fn a_transfer_that_hangs_is_reported_and_survived() {
     bind_spi();
     let adc = MCP3008.reset();
     let mut bench = Bench::started(&file("unresponsive-after = \"300 ms\"", MCP, &volts(0..2)));

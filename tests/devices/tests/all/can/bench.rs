@@ -86,7 +86,7 @@ impl Bench {
         }
     }
 
-    /// Frames that a bus told: when, what, whether its own.
+    /// Frames that a bus reported: when, what, whether its own.
     pub fn frames(&self, of: BusId) -> Vec<(signal::When, CanFrame, bool)> {
         let frame = |event: &BusEvent| match *event {
             BusEvent::CanFrame { bus, at, frame, own } if bus == of => Some((at, frame, own)),
@@ -95,8 +95,8 @@ impl Bench {
         self.events.iter().filter_map(frame).collect()
     }
 
-    /// Whether a bus told such an event.
-    pub fn told(&self, of: BusId, suits: impl Fn(&BusEvent) -> bool) -> bool {
+    /// Whether a bus reported such an event.
+    pub fn reported(&self, of: BusId, suits: impl Fn(&BusEvent) -> bool) -> bool {
         self.events.iter().any(|event| event.bus() == of && suits(event))
     }
 }

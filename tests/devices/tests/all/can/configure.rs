@@ -39,12 +39,12 @@ fn a_controller_is_started_again_by_the_rig_where_the_kernel_leaves_it() {
     let _off = Trouble::on("rcan0", "event", "bus-off");
     bench.until("bus-off", |bench| state(bench, BusState::BusOff).is_some());
     bench.send(NEAR, &frame(1));
-    bench.until("the frame behind the restart", |bench| bench.frames(FAR).len() == 1);
+    bench.until("the frame after the restart", |bench| bench.frames(FAR).len() == 1);
     let off = state(&bench, BusState::BusOff).unwrap();
     let on = state(&bench, BusState::ErrorActive).expect("it is told");
     assert!(on - off >= Span::from_millis(300), "{off} {on}");
     assert_eq!(ask("rcan0").unwrap().restart_ms, 0);
-    // Each time anew, and where a run begins so.
+    // Each time again, and where a run begins so.
     let _off = Trouble::on("rcan0", "event", "bus-off");
     bench.start();
     bench.send(NEAR, &frame(2));

@@ -14,7 +14,7 @@ fn frame(id: u32, data: &[u8]) -> CanFrame {
 
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
-fn a_frame_is_told_as_own_by_its_sender_and_as_anothers_on_the_far_side() {
+fn a_frame_is_reported_as_own_by_its_sender_and_as_anothers_on_the_far_side() {
     let _lab = Lab::enter();
     let mut bench = Bench::of(CLASSIC);
     let frames = [frame(0x123, &[1, 2, 3]), frame(0x18FE_F100, &[0xFF; 8]), frame(0, &[])];
@@ -32,7 +32,7 @@ fn a_frame_is_told_as_own_by_its_sender_and_as_anothers_on_the_far_side() {
     assert!(bench.board.health().is_sound());
 }
 
-/// On the controllers of the lab's own: those of the emulator lose their way behind such a frame.
+/// On the controllers of the lab's own: those of the emulator lose their way after such a frame.
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
 fn a_remote_frame_passes_with_the_length_that_it_asks_for() {
@@ -57,11 +57,14 @@ fn frames_come_with_the_instant_at_which_the_kernel_had_them() {
     let asked = bench.now();
     bench.send(NEAR, &frame(0x123, &[0x55; 8]));
     bench.until("a frame", |bench| !bench.frames(FAR).is_empty());
-    let told = bench.now();
+    let reported = bench.now();
     let (at, ..) = bench.frames(FAR)[0];
     // 8 bytes at 500 kbit/s take 224 us on the wire, as the controller counts them.
     assert!(at.latest >= asked + Span::from_micros(200), "asked at {asked}, on the bus at {at:?}");
-    assert!(at.earliest >= asked && at.latest <= told, "asked at {asked}, told at {told}: {at:?}");
+    assert!(
+        at.earliest >= asked && at.latest <= reported,
+        "asked at {asked}, reported at {reported}: {at:?}"
+    );
     // How well the wall clock is known against the monotonic one, beside a compiler.
     assert!(at.latest - at.earliest < Span::from_millis(20), "{at:?}");
 }
@@ -82,10 +85,10 @@ fn setting_the_wall_clock_moves_no_frame() {
     set(-3_600);
     bench.send(NEAR, &frame(2, &[]));
     bench.until("another frame", |bench| bench.frames(FAR).len() == 2);
-    let told = bench.now();
+    let reported = bench.now();
     for (at, ..) in bench.frames(FAR) {
         // The instant is inside what is claimed, whatever the wall clock did.
-        assert!(at.earliest <= at.latest && at.latest >= asked && at.latest <= told, "{at:?}");
+        assert!(at.earliest <= at.latest && at.latest >= asked && at.latest <= reported, "{at:?}");
     }
 }
 
@@ -172,7 +175,9 @@ fn a_busy_bus_is_heard_whole_and_in_order() {
         assert_eq!(around, None, "bus {bus:?}, frame {wrong:?}");
         assert!(order.windows(2).all(|two| two[0].0.latest <= two[1].0.latest));
     }
-    assert!(bench.board.health().is_sound() && !bench.told(FAR, |e| matches!(e, BusEvent::Dropped { .. })));
+    assert!(
+        bench.board.health().is_sound() && !bench.reported(FAR, |e| matches!(e, BusEvent::Dropped { .. }))
+    );
 }
 
 #[test]
@@ -181,7 +186,7 @@ fn other_programs_hear_the_rig_and_are_heard() {
     let _lab = Lab::enter();
     let mut bench = Bench::of("near = { kind = \"can\", interface = \"can0\", bitrate = 500_000 }");
     let heard = Command::new("candump").args(["-n", "1", "can1"]).stdout(Stdio::piped()).spawn().unwrap();
-    // It listens as soon as it is told of: frames are sent until it has one.
+    // It listens as soon as it is known: frames are sent until it has one.
     let mut heard = heard;
     bench.until("candump to hear", |_| {
         super::bench::run("cansend can1 5A1#11.22.33");

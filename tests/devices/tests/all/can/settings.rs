@@ -21,14 +21,14 @@ fn a_bit_rate_that_differs_is_said_with_the_line_that_mends_it() {
     assert!(message.contains("500000 bit/s, not 250000 bit/s"), "{message}");
     let line = help.trim_start_matches("run `").trim_end_matches('`');
     run(line);
-    let mended = Bench::open("", &format!("bus = {{ kind = \"can\", {wanted} }}"));
-    assert!(mended.is_ok(), "{line}: {:#?}", mended.err());
+    let fixed = Bench::open("", &format!("bus = {{ kind = \"can\", {wanted} }}"));
+    assert!(fixed.is_ok(), "{line}: {:#?}", fixed.err());
     fresh("restart-ms 0");
 }
 
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
-fn an_interface_that_is_missing_down_or_no_can_is_told_apart() {
+fn an_interface_that_is_missing_down_or_no_can_is_distinguished() {
     let _lab = Lab::enter();
     let (code, _, help) = refused("interface = \"can9\", bitrate = 500_000");
     assert_eq!(code, "B0154");

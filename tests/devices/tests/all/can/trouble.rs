@@ -25,14 +25,14 @@ fn lost(why: LossReason) -> impl Fn(&BusEvent) -> bool {
 
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
-fn a_controller_that_goes_bus_off_is_told_by_its_states_and_sends_again_after_its_restart() {
+fn a_controller_that_goes_bus_off_is_seen_by_its_states_and_sends_again_after_its_restart() {
     let _lab = Lab::enter();
     fresh("restart-ms 100");
     let buses = TROUBLED.replace(" }", ", restart = \"100 ms\" }");
     let mut bench = Bench::of(&buses);
     let spoiled = Trouble::on("rcan0", "fault", "bit-error");
     bench.send(NEAR, &frame(1));
-    bench.until("bus-off", |bench| bench.told(NEAR, state(BusState::BusOff)));
+    bench.until("bus-off", |bench| bench.reported(NEAR, state(BusState::BusOff)));
     drop(spoiled);
     let states: Vec<BusState> = bench
         .events
@@ -45,10 +45,10 @@ fn a_controller_that_goes_bus_off_is_told_by_its_states_and_sends_again_after_it
     assert_eq!(states, [BusState::ErrorWarning, BusState::ErrorPassive, BusState::BusOff]);
     // It waits for the restart.
     bench.send(NEAR, &frame(2));
-    bench.until("the frame behind the restart", |bench| {
+    bench.until("the frame after the restart", |bench| {
         bench.frames(FAR).iter().any(|(_, got, _)| got.id == 2) && !bench.frames(NEAR).is_empty()
     });
-    assert!(bench.told(NEAR, state(BusState::ErrorActive)));
+    assert!(bench.reported(NEAR, state(BusState::ErrorActive)));
     let own: Vec<u32> = bench.frames(NEAR).iter().map(|(_, got, _)| got.id).collect();
     assert_eq!(own, [2]);
 }
@@ -61,8 +61,8 @@ fn a_frame_that_nobody_acknowledges_leaves_its_sender_error_passive() {
     let mut bench = Bench::of(TROUBLED);
     let alone = Trouble::on("rcan0", "fault", "no-ack");
     bench.send(NEAR, &frame(1));
-    bench.until("error-passive", |bench| bench.told(NEAR, state(BusState::ErrorPassive)));
-    assert!(bench.told(NEAR, error(BusError::NoAck)) && !bench.told(NEAR, error(BusError::Protocol)));
+    bench.until("error-passive", |bench| bench.reported(NEAR, state(BusState::ErrorPassive)));
+    assert!(bench.reported(NEAR, error(BusError::NoAck)) && !bench.reported(NEAR, error(BusError::Protocol)));
     assert!(bench.frames(NEAR).is_empty());
     drop(alone);
     bench.until("the frame", |bench| bench.frames(NEAR).len() == 1 && bench.frames(FAR).len() == 1);
@@ -70,19 +70,19 @@ fn a_frame_that_nobody_acknowledges_leaves_its_sender_error_passive() {
 
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
-fn lost_arbitration_and_an_overflow_are_told() {
+fn lost_arbitration_and_an_overflow_are_reported() {
     let _lab = Lab::enter();
     fresh("restart-ms 0");
     let mut bench = Bench::of(TROUBLED);
     let _late = Trouble::on("rcan0", "lose_arbitration", "2");
     bench.send(NEAR, &frame(1));
-    bench.until("the frame behind a lost arbitration", |bench| {
-        bench.frames(FAR).len() == 1 && bench.told(NEAR, error(BusError::LostArbitration(None)))
+    bench.until("the frame after a lost arbitration", |bench| {
+        bench.frames(FAR).len() == 1 && bench.reported(NEAR, error(BusError::LostArbitration(None)))
     });
     let _full = Trouble::on("rcan1", "event", "rx-overflow");
     let dropped = |event: &BusEvent| matches!(event, BusEvent::Dropped { count: 1, .. });
     bench.until("the overflow", |bench| {
-        bench.told(FAR, error(BusError::ReceiveOverflow)) && bench.told(FAR, dropped)
+        bench.reported(FAR, error(BusError::ReceiveOverflow)) && bench.reported(FAR, dropped)
     });
     assert!(!bench.board.health().is_sound());
 }
@@ -106,9 +106,9 @@ fn a_bus_that_is_never_free_fills_the_queue_and_drains_it_later() {
         }
         assert!(sent < 5_000, "the queue has no end");
     }
-    bench.until("a frame that is late", |bench| bench.told(NEAR, error(BusError::SendTimeout)));
+    bench.until("a frame that is late", |bench| bench.reported(NEAR, error(BusError::SendTimeout)));
     // A bus that is busy is no device that is lost.
-    assert!(!bench.told(NEAR, |event| matches!(event, BusEvent::Lost { .. })));
+    assert!(!bench.reported(NEAR, |event| matches!(event, BusEvent::Lost { .. })));
     drop(stalled);
     bench.until("all of them", |bench| bench.frames(FAR).len() == sent as usize);
     let own = bench.frames(NEAR);
@@ -122,8 +122,8 @@ fn an_interface_that_goes_down_is_lost_until_the_next_run() {
     fresh("restart-ms 0");
     let mut bench = Bench::of(TROUBLED);
     run("ip link set rcan0 down");
-    bench.until("the loss", |bench| bench.told(NEAR, lost(LossReason::Gone)));
-    assert!(!bench.told(FAR, lost(LossReason::Gone)) && bench.board.health().lost == 1);
+    bench.until("the loss", |bench| bench.reported(NEAR, lost(LossReason::Gone)));
+    assert!(!bench.reported(FAR, lost(LossReason::Gone)) && bench.board.health().lost == 1);
     let refused = bench.board.start(signal::Time::ZERO);
     let gone = matches!(refused, Err(BoardError::BusLost { bus: NEAR, reason: LossReason::Gone, .. }));
     assert!(gone && bench.board.bus_device(NEAR) == Some("rcan0"), "{refused:?}");
@@ -137,10 +137,10 @@ fn an_interface_that_comes_back_is_taken_back_where_the_board_file_says_so() {
     fresh("restart-ms 0");
     let mut bench = Bench::with("unresponsive-after = \"5 s\"\nreconnect = true", TROUBLED);
     run("ip link set rcan0 down");
-    bench.until("the loss", |bench| bench.told(NEAR, lost(LossReason::Gone)));
+    bench.until("the loss", |bench| bench.reported(NEAR, lost(LossReason::Gone)));
     run("ip link set rcan0 up");
     let back = |event: &BusEvent| matches!(event, BusEvent::Returned { .. });
-    bench.until("the return", |bench| bench.told(NEAR, back));
+    bench.until("the return", |bench| bench.reported(NEAR, back));
     assert_eq!(bench.board.health().lost, 0);
     bench.send(NEAR, &frame(3));
     bench.until("a frame", |bench| bench.frames(FAR).iter().any(|(_, got, _)| got.id == 3));
@@ -159,9 +159,11 @@ fn an_interface_that_is_removed_is_lost_and_a_new_one_of_its_name_taken_back() {
     bench.send(NEAR, &frame(1));
     bench.until("a frame", |bench| bench.frames(NEAR).len() == 1);
     run("ip link del vcan9");
-    bench.until("the loss", |bench| bench.told(NEAR, lost(LossReason::Gone)));
+    bench.until("the loss", |bench| bench.reported(NEAR, lost(LossReason::Gone)));
     run("ip link add dev vcan9 type vcan && ip link set vcan9 up");
-    bench.until("the return", |bench| bench.told(NEAR, |event| matches!(event, BusEvent::Returned { .. })));
+    bench.until("the return", |bench| {
+        bench.reported(NEAR, |event| matches!(event, BusEvent::Returned { .. }))
+    });
     bench.send(NEAR, &frame(2));
     bench.until("a frame of the new one", |bench| bench.frames(NEAR).iter().any(|(_, got, _)| got.id == 2));
     run("ip link del vcan9");
@@ -174,10 +176,12 @@ fn an_interface_that_comes_back_set_up_otherwise_stays_lost() {
     fresh("restart-ms 0");
     let mut bench = Bench::with("unresponsive-after = \"5 s\"\nreconnect = true", TROUBLED);
     run("ip link set rcan0 down");
-    bench.until("the loss", |bench| bench.told(NEAR, lost(LossReason::Gone)));
+    bench.until("the loss", |bench| bench.reported(NEAR, lost(LossReason::Gone)));
     run("ip link set rcan0 type can bitrate 250000 && ip link set rcan0 up && ip link set rcan0 down");
     run("ip link set rcan0 type can bitrate 500000 && ip link set rcan0 up");
-    bench.until("the return", |bench| bench.told(NEAR, |event| matches!(event, BusEvent::Returned { .. })));
+    bench.until("the return", |bench| {
+        bench.reported(NEAR, |event| matches!(event, BusEvent::Returned { .. }))
+    });
     let returns = |bench: &Bench| {
         bench.events.iter().filter(|event| matches!(event, BusEvent::Returned { .. })).count()
     };
@@ -200,9 +204,11 @@ fn a_call_that_hangs_makes_its_bus_silent_and_holds_up_nobody() {
     bench.send(other, &frame(2));
     // The board's own calls come back at once.
     assert!(bench.now() < asked + Span::from_millis(300), "sending took until {}", bench.now());
-    bench.until("silence", |bench| bench.told(NEAR, lost(LossReason::Unresponsive)));
-    let told = bench.events.iter().find(|event| lost(LossReason::Unresponsive)(event)).unwrap().latest();
-    assert!(told >= asked + Span::from_millis(300), "{told}");
-    bench.until("the return", |bench| bench.told(NEAR, |event| matches!(event, BusEvent::Returned { .. })));
+    bench.until("silence", |bench| bench.reported(NEAR, lost(LossReason::Unresponsive)));
+    let reported = bench.events.iter().find(|event| lost(LossReason::Unresponsive)(event)).unwrap().latest();
+    assert!(reported >= asked + Span::from_millis(300), "{reported}");
+    bench.until("the return", |bench| {
+        bench.reported(NEAR, |event| matches!(event, BusEvent::Returned { .. }))
+    });
     bench.until("the frames", |bench| bench.frames(FAR).len() == 1 && bench.frames(other).len() == 1);
 }

@@ -20,7 +20,7 @@ pub fn file(board: &str, counter: &str) -> BoardFile {
         .unwrap_or_else(|found| panic!("{found:#?}"))
 }
 
-/// A board at work, and what it told.
+/// A board at work, and what it reported.
 pub struct Bench {
     pub board: Box<dyn Board>,
     pub at: BoardContext,
@@ -76,7 +76,7 @@ impl Bench {
         self.until(&format!("a count of {total}"), |bench| bench.last() == Some(total));
     }
 
-    /// What the channel told.
+    /// What the channel reported.
     pub fn changes(&self) -> Vec<(When, Value)> {
         let of = |event: &BoardEvent| match *event {
             BoardEvent::Changed { at, value, .. } => Some((at, value)),
@@ -85,7 +85,7 @@ impl Bench {
         self.events.iter().filter_map(of).collect()
     }
 
-    /// The count that was told last.
+    /// The count that was reported last.
     pub fn last(&self) -> Option<i64> {
         match self.changes().last()?.1 {
             Value::Int(count) => Some(count),

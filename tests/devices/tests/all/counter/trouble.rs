@@ -1,4 +1,4 @@
-//! Counters that hang, go away and come back, or tell more than anybody takes.
+//! Counters that hang, go away and come back, or report more than anybody takes.
 
 use super::bench::{Bench, PATIENT, file};
 use drivers::{BoardError, LossReason};
@@ -10,7 +10,7 @@ const SOON: &str = "unresponsive-after = \"400 ms\"";
 
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
-fn a_reading_that_hangs_is_told_and_nothing_is_miscounted() {
+fn a_reading_that_hangs_is_reported_and_nothing_is_miscounted() {
     let mut bench = Bench::started(&file("unresponsive-after = \"300 ms\"", "period = \"5 ms\""));
     let wheel = bench.counter.count(0);
     wheel.stall(Duration::from_millis(1_500), 1);
@@ -54,20 +54,20 @@ fn a_counter_that_goes_away_stays_lost_where_nobody_wants_it_back() {
 
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
-fn events_that_find_the_kernels_queue_full_are_told_as_lost() {
+fn events_that_find_the_kernels_queue_full_are_reported_as_lost() {
     let of = "period = \"5 ms\", events = [\"change-of-state\"], buffer = 64";
     let mut bench = Bench::started(&file(PATIENT, of));
     // All at once: nobody can take them in time.
     bench.counter.count(0).steps(10_000);
     bench.until("the loss", |bench| bench.dropped() > 0);
-    // Readings tell what events did not.
+    // Readings report what events did not.
     bench.counts(10_000);
     assert!(!bench.board.health().is_sound());
 }
 
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
-fn a_count_faster_than_promised_is_told_as_a_loss() {
+fn a_count_faster_than_promised_is_reported_as_a_loss() {
     let mut bench =
         Bench::started(&file(PATIENT, "period = \"5 ms\", counts-up-to = \"20 kHz\", ceiling = 9999999"));
     bench.counter.count(0).steps_at(300, 300);

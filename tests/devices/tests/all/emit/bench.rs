@@ -31,7 +31,7 @@ pub fn pulses(edges: impl IntoIterator<Item = i64>) -> Emission {
     Emission::Pulses(edges.into_iter().map(Span::from_nanos).collect())
 }
 
-/// A board at work, and what it told.
+/// A board at work, and what it reported.
 pub struct Bench {
     pub board: Box<dyn Board>,
     pub at: BoardContext,

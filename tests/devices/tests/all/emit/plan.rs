@@ -22,7 +22,7 @@ limit = "10 s"
 late = "10 s"
 "#;
 
-/// A PWM that becomes faster behind half a second, and constant behind a whole one.
+/// A PWM that becomes faster after half a second, and constant after a whole one.
 const PROGRAM: &str = "\
 PROGRAM MAIN
 VAR

@@ -26,7 +26,7 @@ fn a_wave_is_put_out_changed_and_ended_as_asked() {
     bench.until("the wave", |_| chip.pin(2).duty == 2 * MS + 10);
     let fan = chip.pin(2);
     assert_eq!((fan.period, fan.enabled), (5 * MS, true));
-    assert!(chip.pin(2).changes - fan.changes == 0 && bench.changes("Q0").is_empty(), "nobody tells of it");
+    assert!(chip.pin(2).changes - fan.changes == 0 && bench.changes("Q0").is_empty(), "nobody reports it");
     bench.until("periods", |_| chip.pin(2).pulses > fan.pulses);
     // To another period, to a constant level, to a wave again, to rest: never more steps than it takes.
     let mut changed = chip.pin(2).changes;
@@ -64,7 +64,7 @@ fn a_wave_is_put_out_changed_and_ended_as_asked() {
 
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
-fn a_chip_that_fails_or_goes_away_is_told_and_goes_on_where_it_was() {
+fn a_chip_that_fails_or_goes_away_is_reported_and_goes_on_where_it_was() {
     let chip = PwmChip::enter();
     let channels = "Q0 = { kind = \"digital\", generator = \"it\", output = 1 }";
     let board = "unresponsive-after = \"400 ms\"\nreconnect = true";

@@ -1,4 +1,4 @@
-//! Pulses as a stream of bits: what the sink was sent, and what the board told of it.
+//! Pulses as a stream of bits: what the sink was sent, and what the board reported.
 
 use super::bench::{Bench, PATIENT, file, open, pulses};
 use devices::{PATIENCE, Sink, bind_spi, unbind_spi, wait_for};
@@ -12,7 +12,7 @@ fn bits(bytes: &[u8]) -> Vec<bool> {
     bytes.iter().flat_map(|byte| (0..8).map(move |place| byte << place & 0x80 != 0)).collect()
 }
 
-/// Lengths of the levels in bits, from the rest before the first edge to the one behind the last.
+/// Lengths of the levels in bits, from the rest before the first edge to the one after the last.
 pub fn runs(bytes: &[u8]) -> Vec<usize> {
     bits(bytes).chunk_by(|one, other| one == other).map(<[bool]>::len).collect()
 }
@@ -23,7 +23,7 @@ fn of_sink(sink: &Sink, more: &str) -> String {
 
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
-fn every_bit_is_sent_in_one_transfer_and_every_edge_told_within_it() {
+fn every_bit_is_sent_in_one_transfer_and_every_edge_reported_within_it() {
     let sink = Sink::enter();
     let channels = "I0 = { kind = \"digital\", generator = \"it\" }";
     let mut bench = Bench::started(&file(PATIENT, &of_sink(&sink, ", clock = \"1 MHz\""), channels));
@@ -48,10 +48,10 @@ fn every_bit_is_sent_in_one_transfer_and_every_edge_told_within_it() {
     ];
     for edges in trains {
         sink.forget();
-        let told = bench.changes("I0").len();
+        let reported = bench.changes("I0").len();
         let asked = bench.at.time.now();
         bench.emit("I0", &pulses(edges.iter().copied()));
-        bench.until("all edges", |bench| bench.changes("I0").len() == told + edges.len());
+        bench.until("all edges", |bench| bench.changes("I0").len() == reported + edges.len());
         let (bytes, sent) = (sink.bytes(), sink.transfers());
         assert_eq!(sent.len(), 1, "no gap is possible in one transfer: {sent:?}");
         assert_eq!((sent[0].hz, sent[0].mode, sent[0].bytes), (1_000_000, 0, bytes.len()));
@@ -69,7 +69,7 @@ fn every_bit_is_sent_in_one_transfer_and_every_edge_told_within_it() {
         assert!(!bits(&bytes).last().unwrap(), "it ends at rest");
         let at = |stamp| bench.at.time.at(HostInstant::from_nanos(stamp));
         let stamps = (at(sent[0].start), at(sent[0].end));
-        for (place, ((at, value), bit)) in bench.changes("I0")[told..].iter().zip(&wanted).enumerate() {
+        for (place, ((at, value), bit)) in bench.changes("I0")[reported..].iter().zip(&wanted).enumerate() {
             assert_eq!(*value, Value::Bool(place % 2 == 0));
             let true_at = stamps.0 + Span::from_nanos(*bit as i64 * 1_000);
             assert!(asked <= at.earliest && at.earliest <= true_at && at.latest <= bench.at.time.now());
@@ -106,7 +106,7 @@ fn order_of_bits_mode_and_a_line_that_is_turned_over_are_as_the_file_has_them() 
 
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
-fn a_bus_that_fails_hangs_or_goes_away_is_told_and_taken_back_at_rest() {
+fn a_bus_that_fails_hangs_or_goes_away_is_reported_and_taken_back_at_rest() {
     let sink = Sink::enter();
     let channels = "I0 = { kind = \"digital\", generator = \"it\" }";
     let board = "unresponsive-after = \"400 ms\"\nreconnect = true";
@@ -127,9 +127,9 @@ fn a_bus_that_fails_hangs_or_goes_away_is_told_and_taken_back_at_rest() {
     bench.until("the loss", |bench| bench.fate("I0").last() == Some(&Some(LossReason::Gone)));
     bind_spi();
     bench.until("the return", |bench| bench.fate("I0").len() == 4);
-    let told = bench.changes("I0").len();
+    let reported = bench.changes("I0").len();
     bench.emit("I0", &train);
-    bench.until("the edges of the train", |bench| bench.changes("I0").len() == told + 4);
+    bench.until("the edges of the train", |bench| bench.changes("I0").len() == reported + 4);
     let sent = sink.transfers();
     assert_eq!(sent.last().unwrap().bytes, 3, "the train was sent: {sent:?}");
 }

@@ -33,7 +33,7 @@ impl Counts {
         (self.edges[0].load(Ordering::Relaxed), self.dropped[0].load(Ordering::Relaxed))
     }
 
-    /// Edges that the input saw, and those that it was told to have lost.
+    /// Edges that the input saw, and those that it reported as lost.
     pub fn input(&self) -> (u64, u64) {
         (self.edges[1].load(Ordering::Relaxed), self.dropped[1].load(Ordering::Relaxed))
     }
@@ -74,7 +74,7 @@ Q0 = { kind = \"digital\", line = 8, safe = false }
 ";
 
 impl Bench {
-    /// A scan each `interval`; the output turns in each `every`th. The case ends this long behind its start.
+    /// A scan each `interval`; the output turns in each `every`th. The case ends this long after its start.
     pub fn new(interval: Span, every: u32, lasts: Span) -> Bench {
         Bench::beside("", interval, every, lasts)
     }
@@ -142,12 +142,12 @@ expect = [{{ state = {{ stays = \"RUNNING\", from = \"start\", until = \"end\" }
         let scans = self.model.figures().iter().map(|(_, _, figures)| figures.cycles).sum();
         let asked = self.model.observable("MAIN.asked").map(|found| self.model.read(&found.probe));
         let Some(Value::Int(asked)) = asked else { panic!("{asked:?}") };
-        // The last turn may be that of the safe level behind the end.
+        // The last turn may be that of the safe level after the end.
         let asked = asked as u64 + asked as u64 % 2;
         Outcome { starts: clock.starts, scans, asked }
     }
 
-    /// What the board has still to tell.
+    /// What the board has still to report.
     fn settle(&mut self) {
         let mut events = Vec::with_capacity(1024);
         devices::wait_for("the last edges", devices::PATIENCE, || {
@@ -246,7 +246,7 @@ impl Board for Counted {
             };
             match *event {
                 BoardEvent::Changed { value, .. } => {
-                    // The first tells what the line was.
+                    // The first reports what the line was.
                     let turned = self.last[place].is_some_and(|last| last != value);
                     self.last[place] = Some(value);
                     self.counts.edges[place].fetch_add(u64::from(turned), Ordering::Relaxed);

@@ -137,7 +137,7 @@ impl Bench {
         self.until(&format!("{name} is {high}"), |bench| bench.level(name) == Some(high));
     }
 
-    /// Changes of a channel behind its first level, and losses of it.
+    /// Changes of a channel after its first level, and losses of it.
     pub fn seen(&self, name: &str) -> Seen {
         let id = self.channel(name);
         let mut seen = Seen::default();

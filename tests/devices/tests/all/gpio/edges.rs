@@ -24,18 +24,18 @@ fn toggle(line: Line, edges: u32) -> Duration {
 }
 
 /// The accounts are settled: every edge that was made is a change or a loss. What became one edge with another may be
-/// told of another line of the chip, so that all count together. When an interrupt meets the kernel's thread just as
+/// reported of another line of the chip, so that all count together. When an interrupt meets the kernel's thread just as
 /// that takes the stamp of the one before, the kernel counts it twice: of edges that come as fast as that, a few more
-/// can be told as lost than were.
+/// can be reported as lost than were.
 fn settled(bench: &mut Bench, made: u32) -> Seen {
     let of_all = |bench: &Bench| bench.seen("a") + bench.seen("b");
     bench.until(&format!("{made} edges are accounted for"), |bench| {
         let seen = of_all(bench);
         seen.changes + seen.dropped >= u64::from(made)
     });
-    // Gaps that are still open would be told by then.
+    // Gaps that are still open would be reported by then.
     let due = Instant::now() + Duration::from_millis(300);
-    bench.until("all gaps are told", |_| Instant::now() >= due);
+    bench.until("all gaps are reported", |_| Instant::now() >= due);
     let seen = of_all(bench);
     let more = seen.changes + seen.dropped - u64::from(made);
     assert!(more <= u64::from(made / 4), "{made} edges: {seen:?}");

@@ -137,13 +137,13 @@ fn the_kernel_debounces() {
     });
     // The change itself lies before the time for which it had to last; how long before, a busy lab does not keep.
     let at = changed.unwrap();
-    assert!(at.latest >= pulled + Span::from_millis(40), "{at:?} behind {pulled}");
+    assert!(at.latest >= pulled + Span::from_millis(40), "{at:?} after {pulled}");
     assert!(at.latest - at.earliest >= Span::from_millis(50), "{at:?}");
 }
 
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
-fn a_line_that_is_read_back_tells_for_its_output() {
+fn a_line_that_is_read_back_stands_for_its_output() {
     let lab = Lab::enter();
     lab.wire_inverted(MAIN.line(1), MAIN.line(2));
     for backend in BOTH {
@@ -175,7 +175,7 @@ fn each_start_begins_anew() {
             assert_eq!((bench.level("out"), bench.level("back")), (Some(false), Some(false)), "{backend}");
             for high in [true, false, true] {
                 bench.write(&[("out", high)]);
-                // The edge may be told before the write that made it.
+                // The edge may be reported before the write that made it.
                 bench.until_level("out", high);
                 bench.until_level("back", high);
             }

@@ -26,9 +26,9 @@ fn file(chip: &str, line: &str) -> String {
 /// The one thing that is refused: its code, and words that message and help contain.
 fn one(text: &str, code: &str, message: &str, help: &str) {
     let found = refused(text);
-    let [(was, words, mend)] = &found[..] else { panic!("{found:#?}") };
+    let [(was, words, said)] = &found[..] else { panic!("{found:#?}") };
     assert_eq!(was, code, "{words}");
-    assert!(words.contains(message) && mend.contains(help), "{words}\n{mend}");
+    assert!(words.contains(message) && said.contains(help), "{words}\n{said}");
 }
 
 #[test]
@@ -202,7 +202,7 @@ fn a_call_that_hangs_holds_up_nobody_and_its_chip_is_lost_until_it_ends() {
 
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
-fn a_change_that_a_slow_call_swallows_is_told() {
+fn a_change_that_a_slow_call_swallows_is_reported() {
     let lab = Lab::enter();
     let text = TWO_CHIPS.replace("\"real\"\n", "\"real\"\nunresponsive-after = \"10 s\"\n");
     let mut bench = Bench::open(&text);

@@ -33,12 +33,12 @@ impl Bench {
         self.board.start(self.at.time.now())
     }
 
-    /// What the buses tell, once they do.
-    fn told(&mut self) -> Vec<BusEvent> {
+    /// What the buses report, once they do.
+    fn reported(&mut self) -> Vec<BusEvent> {
         let mut events = Vec::new();
         let deadline = Instant::now() + PATIENCE;
         while events.is_empty() {
-            assert!(Instant::now() < deadline, "the buses have nothing to tell");
+            assert!(Instant::now() < deadline, "the buses have nothing to report");
             self.at.bell.wait_until(HostInstant::now() + Span::from_millis(20));
             self.board.poll_buses(self.at.time.now(), &mut events).unwrap();
         }
@@ -53,14 +53,14 @@ fn a_line_without_its_driver_is_lost_and_comes_back_as_it_was() {
     let mut bench = Bench::open("reconnect = true", "");
     bench.start().unwrap();
     let unplugged = SERIAL_A.unplug();
-    let events = bench.told();
+    let events = bench.reported();
     assert!(
         matches!(events[..], [BusEvent::Lost { bus: BusId(0), reason: LossReason::Gone, .. }]),
         "{events:?}"
     );
     assert_eq!(bench.board.health().lost, 1);
     drop(unplugged);
-    let events = bench.told();
+    let events = bench.reported();
     assert!(matches!(events[..], [BusEvent::Returned { bus: BusId(0), .. }]), "{events:?}");
     // As it was: the direction is driven again, and it is the rig's alone.
     let port = std::fs::File::open(SERIAL_A.path()).unwrap();
@@ -78,7 +78,7 @@ fn a_line_that_is_not_to_be_taken_back_is_refused_to_the_next_case() {
     let mut bench = Bench::open("reconnect = false", "");
     bench.start().unwrap();
     drop(SERIAL_A.unplug());
-    let events = bench.told();
+    let events = bench.reported();
     assert!(matches!(events[..], [BusEvent::Lost { bus: BusId(0), .. }]), "{events:?}");
     assert!(matches!(bench.start(), Err(BoardError::BusLost { bus: BusId(0), .. })));
     // The next run finds it.
@@ -93,7 +93,7 @@ fn a_start_waits_for_a_line_that_is_coming_back() {
     let mut bench = Bench::open("reconnect = true", "");
     bench.start().unwrap();
     let unplugged = SERIAL_A.unplug();
-    bench.told();
+    bench.reported();
     bench.board.safe(bench.at.time.now()).unwrap();
     let back = std::thread::spawn(move || drop(unplugged));
     bench.start().unwrap();
@@ -125,7 +125,7 @@ fn a_board_has_lines_of_both_kinds() {
 
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
-fn two_names_of_one_port_are_told_at_the_second() {
+fn two_names_of_one_port_are_reported_at_the_second() {
     let _lab = Lab::enter();
     let device = std::fs::canonicalize(SERIAL_A.path()).unwrap();
     let text = format!(

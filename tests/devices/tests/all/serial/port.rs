@@ -36,7 +36,7 @@ fn run<T>(test: impl Future<Output = T>) -> T {
 async fn symbols(port: &mut SerialPort, count: usize) -> Vec<Symbol> {
     let (mut all, mut received) = (Vec::new(), Received::with_room());
     while all.len() < count {
-        assert!(port.receive(until(), &mut received).await.unwrap(), "no more came behind {all:?}");
+        assert!(port.receive(until(), &mut received).await.unwrap(), "no more came after {all:?}");
         all.extend_from_slice(&received.symbols);
     }
     all
@@ -114,7 +114,7 @@ fn low_latency_is_switched_on_and_off() {
 
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
-fn breaks_and_damaged_bytes_are_told_from_sound_ones_and_counted() {
+fn breaks_and_damaged_bytes_are_distinguished_from_sound_ones_and_counted() {
     let _lab = Lab::enter();
     run(async {
         for parity in [Parity::None, Parity::Even] {
@@ -240,7 +240,7 @@ fn a_port_is_the_rigs_alone_and_its_holder_is_named() {
         let _held = SerialPort::open(&spec(SERIAL_A)).unwrap();
         let other = SerialPort::open(&PortSpec { path: device.clone(), ..spec(SERIAL_A) }).unwrap_err();
         assert_eq!(other, OpenError::Busy(device));
-        assert!(holders(&port).is_empty(), "this process is no stranger");
+        assert!(holders(&port).is_empty(), "this process does not count");
     });
 }
 

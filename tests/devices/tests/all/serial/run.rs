@@ -1,4 +1,4 @@
-//! Serial lines under the command: what a user is told when one goes away while a case runs, and what becomes of the next.
+//! Serial lines under the command: what is reported to a user when one goes away while a case runs, and what becomes of the next.
 
 use devices::{Lab, MAIN, SERIAL_A, SERIAL_B};
 
@@ -61,7 +61,7 @@ fn a_line_that_goes_away_ends_its_case_and_the_next_has_it_again() {
 
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
-fn a_port_that_is_held_is_told_before_anything_is_driven() {
+fn a_port_that_is_held_is_reported_before_anything_is_driven() {
     let _lab = Lab::enter();
     let held = std::fs::File::open(SERIAL_B.path()).unwrap();
     let board = BOARD.replace("serial-a", "serial-b");

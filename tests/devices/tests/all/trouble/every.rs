@@ -34,7 +34,7 @@ fn a_device_of_any_kind_that_is_lost_ends_its_case_and_is_there_for_the_next() {
         rig.until(&format!("the lamp is off: {loss:?}"), || !MAIN.line(8).value());
         // Whatever is still there is safe, not only what is beside the device that is lost.
         rig.until(&format!("the other lamp is off: {loss:?}"), || loss == Loss::Chip || !world.far_is_on());
-        world.mend(loss);
+        world.restore(loss);
     }
     assert_eq!(rig.exit_code(), Some(4), "{}", rig.said());
     assert!(!MAIN.line(8).value() && !world.far_is_on() && guards() == 0, "{}", rig.said());
@@ -62,17 +62,17 @@ fn a_controller_that_is_kept_running_goes_on_without_any_device_and_has_it_again
     let mut world = World::enter(&lab);
     let rest = "reconnect = true\non-loss = \"go-on\"";
     let mut rig = Rig::start("goes-on", &files(board(rest), plan()), &[&RUN[..], &["--booted"]].concat());
-    let mut told = 0;
+    let mut reported = 0;
     for loss in Loss::ALL {
         rig.until(&format!("both lamps are on: {loss:?}"), || MAIN.line(8).value() && world.far_is_on());
         world.lose(loss);
         let [whom, how] = loss.words();
         let lost = |line: &str| line.contains(&format!("{whom} was lost at ")) && line.contains(how);
-        rig.until(&format!("it says so: {loss:?}"), || rig.said()[told..].lines().any(lost));
-        world.mend(loss);
+        rig.until(&format!("it says so: {loss:?}"), || rig.said()[reported..].lines().any(lost));
+        world.restore(loss);
         let back = format!("{whom} is back at ");
-        rig.until(&format!("it says that it is back: {loss:?}"), || rig.said()[told..].contains(&back));
-        told = rig.said().len();
+        rig.until(&format!("it says that it is back: {loss:?}"), || rig.said()[reported..].contains(&back));
+        reported = rig.said().len();
         assert!(MAIN.line(8).value(), "{loss:?}: the other output went on: {}", rig.said());
     }
     rig.signal(rustix::process::Signal::INT);
@@ -94,6 +94,6 @@ fn a_controller_that_is_kept_running_ends_with_the_loss_where_the_board_file_say
         let [whom, how] = loss.words();
         let words = [&format!("{whom} was lost at "), how, "outputs safe"];
         assert!(words.iter().all(|words| rig.said().contains(words)), "{loss:?}: {}", rig.said());
-        world.mend(loss);
+        world.restore(loss);
     }
 }

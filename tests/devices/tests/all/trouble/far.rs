@@ -115,7 +115,7 @@ sound = {}
 
 #[test]
 #[ignore = "in the lab: tests/lab/devices"]
-fn a_bus_whose_other_node_is_gone_is_told_and_its_case_is_an_error() {
+fn a_bus_whose_other_node_is_gone_is_reported_and_its_case_is_an_error() {
     let _lab = Lab::enter();
     fresh_buses();
     let files = [("board.toml", BUS), ("plan.toml", BEATS), ("main.st", "PROGRAM MAIN\nEND_PROGRAM\n")];

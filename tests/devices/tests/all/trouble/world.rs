@@ -116,7 +116,7 @@ impl World {
             Loss::SpiFails => MCP3008.fault("io-error"),
             Loss::SpiUnbound => unbind_spi(),
             Loss::IioUnbound => self.adc.unbind(),
-            // The next case begins behind it.
+            // The next case begins after it.
             Loss::IioHangs => self.adc.stall(Duration::from_secs(2), 1),
             Loss::LinkDown => ip("link set rcan0 down"),
             Loss::BusOff => std::fs::write("/sys/class/net/rcan0/trouble/event", "bus-off").unwrap(),
@@ -125,7 +125,7 @@ impl World {
         }
     }
 
-    pub fn mend(&mut self, loss: Loss) {
+    pub fn restore(&mut self, loss: Loss) {
         match loss {
             Loss::Chip => {
                 drop(self.far.take());
