@@ -4,8 +4,9 @@
 //!     cargo bench -p scanrig-dash --bench frames
 
 use control::{
-    Change, Channel, Description, Direction, Event, Fault, Greeting, Message, Operation, PROTOCOL, Point,
-    PointStatus, Reply, Request, Signal, SignalKind, Status, Subscribed, Topic, Value, WireValue,
+    ChannelInfo, Description, Greeting, PROTOCOL, PointDirection, PointInfo, PointStatus, Reply, Request,
+    RequestFault, RequestOperation, ServerMessage, Signal, SignalChange, SignalKind, Status, Subscribed,
+    SubscriptionEvent, Topic, Value, WireValue,
 };
 use ratatui::crossterm::event::{KeyCode, KeyEvent};
 use ratatui::{Terminal, TerminalOptions, Viewport, backend::CrosstermBackend, layout::Rect};
@@ -31,15 +32,15 @@ impl TrendFiles for None {
         &[]
     }
 
-    fn save(&self, _: &str, _: &TrendRecording) -> Result<(), Fault> {
+    fn save(&self, _: &str, _: &TrendRecording) -> Result<(), RequestFault> {
         Ok(())
     }
 
-    fn load(&self, _: &str) -> Result<TrendRecording, Fault> {
+    fn load(&self, _: &str) -> Result<TrendRecording, RequestFault> {
         Ok(TrendRecording::default())
     }
 
-    fn decoder(&self, path: &str) -> Result<Box<dyn FrameDecoder>, Fault> {
+    fn decoder(&self, path: &str) -> Result<Box<dyn FrameDecoder>, RequestFault> {
         panic!("nobody asks for {path}")
     }
 }
@@ -64,14 +65,18 @@ impl Write for Counted {
     }
 }
 
-fn point(number: u32) -> Point {
-    let channel =
-        Channel { name: format!("line-{number}"), unit: String::new(), device: Option::None, drives: true };
-    Point {
+fn point(number: u32) -> PointInfo {
+    let channel = ChannelInfo {
+        name: format!("line-{number}"),
+        unit: String::new(),
+        device: Option::None,
+        drives: true,
+    };
+    PointInfo {
         name: format!("I{number}"),
         address: Some(format!("%IX{}.{}", number / 8, number % 8)),
         variable: Some(format!("MAIN.variable_{number}")),
-        direction: Direction::Input,
+        direction: PointDirection::Input,
         kind: SignalKind::Bool,
         channel: Some(channel),
         image: Option::None,
@@ -94,11 +99,11 @@ fn answer(shell: &mut Shell) -> u64 {
         }
         for Request { id, ask } in requests {
             let ok = match ask {
-                Operation::Describe => serde_json::to_value(Description {
+                RequestOperation::Describe => serde_json::to_value(Description {
                     points: (0..SIGNALS).map(point).collect(),
                     ..Description::default()
                 }),
-                Operation::Subscribe { topic } => {
+                RequestOperation::Subscribe { topic } => {
                     let mut answer = Subscribed { subscription: id, ..Subscribed::default() };
                     if let Topic::Signals { names, .. } = topic {
                         signals = id;
@@ -154,15 +159,18 @@ fn main() {
         for frame in 0..FRAMES {
             let on = WireValue(Value::Bool(frame % 2 == 0));
             let at = frame * 100_000_000;
-            let changes = (0..SIGNALS).map(|number| Change(number, at, at, on)).collect();
+            let changes = (0..SIGNALS).map(|number| SignalChange(number, at, at, on)).collect();
             let lines = [
-                serde_json::to_vec(&Event::Signals { subscription, changes, missed: 0 }),
-                serde_json::to_vec(&Event::Status { subscription: 0, status: Box::new(status(frame)) }),
+                serde_json::to_vec(&SubscriptionEvent::Signals { subscription, changes, missed: 0 }),
+                serde_json::to_vec(&SubscriptionEvent::Status {
+                    subscription: 0,
+                    status: Box::new(status(frame)),
+                }),
             ];
             let lines = lines.map(|line| line.expect("a line"));
             let began = on_processor();
             for line in lines {
-                if let Some(Message::Event(event)) = Message::read(&line).expect("an event") {
+                if let Some(ServerMessage::Event(event)) = ServerMessage::read(&line).expect("an event") {
                     shell.receive(RigMessage::Event(event));
                 }
             }

@@ -4,7 +4,7 @@
 //! where a loop on numbers takes more than [`MOST`] times the native time.
 
 use document::SourceFile;
-use scanrig_program::{Host, Machine, Options, Stop, compile};
+use scanrig_program::{Host, Machine, Options, StopReason, compile};
 use signal::{Address, Span, Time, Value};
 use std::hint::black_box;
 use std::process::ExitCode;
@@ -301,7 +301,7 @@ fn measure(case: &Case) -> Result<(f64, f64, i64), String> {
         machine.begin(0);
         let slice = machine.resume(0, Time::ZERO, Span::from_secs(1000), &mut Nothing);
         ours.push(start.elapsed().as_nanos() as f64);
-        if slice.stop != Stop::Done {
+        if slice.stop != StopReason::Done {
             return Err(format!("{:?}", slice.stop));
         }
         modelled = slice.used.as_nanos();

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::channel::ChannelId;
-use signal::{Gap, Time, Value, When};
+use signal::{SignalGap, Time, Value, When};
 
 /// Who made a line change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -19,7 +19,7 @@ pub enum Origin {
     /// The world outside: all that a real board can say.
     Outside,
     /// Nobody: the value is [`Value::Unknown`] from then on, for this reason.
-    Gap(Gap),
+    Gap(SignalGap),
 }
 
 /// Why a device is gone.

@@ -1,9 +1,9 @@
 //! What a bench says of claims before anything moves: which values its signals can have, and how exactly they are
 //! known there.
 
-use signal::{Kind, Policy, Sampling, SignalInfo, Span, Value};
+use signal::{Policy, Sampling, SignalInfo, Span, Value, ValueKind};
 
-use crate::expect::{Claim, ClaimDemand};
+use crate::expect::{ClaimDemand, TraceClaim};
 use crate::monitor::{Number, ValueTest, slack};
 
 /// The values that a signal of whole numbers can have. FALSE is 0, TRUE is 1.
@@ -52,7 +52,7 @@ pub enum Doubt {
 /// What is wrong with a claim on a bench with these signals. `bounds` says which values one can have, where that is
 /// known.
 pub fn doubt(
-    claim: &dyn Claim,
+    claim: &dyn TraceClaim,
     signals: &[SignalInfo],
     bounds: &dyn Fn(&str) -> Option<SignalBounds>,
 ) -> Option<Doubt> {
@@ -117,7 +117,7 @@ pub fn doubt(
 }
 
 /// Whether a claim is the same for all of these values of a signal: whether it matters to it which of them it has.
-pub fn is_same_for(claim: &dyn Claim, info: &SignalInfo, values: &[Value]) -> bool {
+pub fn is_same_for(claim: &dyn TraceClaim, info: &SignalInfo, values: &[Value]) -> bool {
     if !claim.signals().contains(&info.name) {
         return true;
     }
@@ -201,7 +201,7 @@ fn is_too_narrow(test: &ValueTest, slack: f64) -> bool {
 /// The values in words.
 fn shown(bounds: &SignalBounds, info: &SignalInfo) -> String {
     match (info.kind, bounds.most) {
-        (Kind::Bool, _) => String::from("TRUE or FALSE"),
+        (ValueKind::Bool, _) => String::from("TRUE or FALSE"),
         (_, most) if most >= i128::from(i64::MAX) => format!("at least {}", bounds.least),
         (_, most) => format!("{} .. {most}", bounds.least),
     }

@@ -1,6 +1,6 @@
 //! What a written value means for a signal.
 
-use signal::{Decimal, Kind, Quantity, QuantityFault, QuantityRange, SignalInfo, Unit, Value};
+use signal::{Decimal, Quantity, QuantityFault, QuantityRange, SignalInfo, Unit, Value, ValueKind};
 
 use crate::lang::Literal;
 use crate::monitor::Number;
@@ -10,7 +10,7 @@ use crate::monitor::Number;
 /// # Errors
 /// Why it has no meaning for the signal.
 pub fn value_of(literal: &Literal, info: &SignalInfo) -> Result<Value, String> {
-    if is_high_z(literal) && info.kind != Kind::State {
+    if is_high_z(literal) && info.kind != ValueKind::State {
         return Ok(Value::HighZ);
     }
     Ok(match number(literal, info)? {
@@ -144,7 +144,7 @@ mod tests {
     #[test]
     fn quantities_meet_in_the_unit_of_the_signal() {
         let bind = |unit: &str, text: &str| {
-            let mut info = SignalInfo::exact("u", Kind::Real);
+            let mut info = SignalInfo::exact("u", ValueKind::Real);
             info.unit = unit.into();
             number(&literal_of(text), &info)
         };
@@ -164,7 +164,7 @@ mod tests {
     #[test]
     fn a_tolerance_ends_where_its_decimals_say() {
         let ends = |unit: &str, middle: &str, tolerance: &str| {
-            let mut info = SignalInfo::exact("u", Kind::Real);
+            let mut info = SignalInfo::exact("u", ValueKind::Real);
             info.unit = unit.into();
             let around = ToleranceBand::new(&literal_of(middle), &literal_of(tolerance), &info)?;
             Ok((around.min.as_f64(), around.max.as_f64()))

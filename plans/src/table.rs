@@ -44,7 +44,7 @@ pub enum Cell {
 
 /// A column of a table.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Column {
+pub struct TableColumn {
     /// Its name in the header.
     pub name: String,
     /// Its unit there; [`Unit::NONE`] for plain numbers and levels.
@@ -57,7 +57,7 @@ pub struct ValueTable {
     /// Its file, as the user knows it.
     pub path: String,
     /// Its columns, that of the time aside.
-    pub columns: Vec<Column>,
+    pub columns: Vec<TableColumn>,
     /// When each row comes after the beginning: at least one, from 0 up, each later than the one before.
     pub times: Vec<Span>,
     /// The line of each row, from 1.
@@ -215,7 +215,7 @@ impl<'f> CsvReader<'f> {
     }
 
     /// The unit of the time, and the columns.
-    fn header(&mut self, at: usize, line: &'f str) -> Option<(Unit, Vec<Column>)> {
+    fn header(&mut self, at: usize, line: &'f str) -> Option<(Unit, Vec<TableColumn>)> {
         let mut fields = self.fields(at, line).into_iter().map(|field| (named(field.text), field));
         let (time, place) = fields.next()?;
         let unit = time.unit;
@@ -224,7 +224,7 @@ impl<'f> CsvReader<'f> {
             self.bad(codes::TABLE, place.span, "the first column has no unit of time", help);
             return None;
         }
-        let mut columns: Vec<Column> = Vec::new();
+        let mut columns: Vec<TableColumn> = Vec::new();
         for (column, field) in fields {
             if column.name.is_empty() || columns.iter().any(|known| known.name == column.name) {
                 let help = "name each column once, by its signal, as in: level [V]";
@@ -309,13 +309,13 @@ impl<'f> CsvReader<'f> {
 }
 
 /// A name with the unit after it: `level [V]`, `level (V)`.
-fn named(text: &str) -> Column {
+fn named(text: &str) -> TableColumn {
     for (open, close) in [('[', ']'), ('(', ')')] {
         if let Some((name, unit)) = text.strip_suffix(close).and_then(|text| text.rsplit_once(open)) {
-            return Column { name: name.trim().to_owned(), unit: Unit::new(unit) };
+            return TableColumn { name: name.trim().to_owned(), unit: Unit::new(unit) };
         }
     }
-    Column { name: text.to_owned(), unit: Unit::NONE }
+    TableColumn { name: text.to_owned(), unit: Unit::NONE }
 }
 
 #[cfg(test)]

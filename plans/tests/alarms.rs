@@ -8,7 +8,7 @@ use record::{ClaimRecord, Verdict};
 use scanrig_plans::alarm::Alarm;
 use scanrig_plans::judge::{CaseJudge, Scenario};
 use scanrig_plans::read;
-use signal::{Cause, Event, Kind, Random, SignalId, SignalInfo, Time, Trace, Value, When};
+use signal::{Cause, Event, Random, SignalId, SignalInfo, Time, Trace, Value, ValueKind, When};
 
 const START: i64 = 10;
 
@@ -20,8 +20,8 @@ fn alarm(text: &str) -> (Arc<Alarm>, Scenario) {
 }
 
 fn infos() -> Vec<SignalInfo> {
-    let marks = ["step:start", "step:end"].map(|mark| SignalInfo::exact(mark, Kind::Mark));
-    let mut infos = vec![SignalInfo::exact("t", Kind::Int)];
+    let marks = ["step:start", "step:end"].map(|mark| SignalInfo::exact(mark, ValueKind::Mark));
+    let mut infos = vec![SignalInfo::exact("t", ValueKind::Int)];
     infos.extend(marks);
     infos
 }

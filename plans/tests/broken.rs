@@ -36,7 +36,7 @@ fn broken_plans_are_refused_at_the_right_place() {
         let places: Vec<String> = found
             .iter()
             .map(|one| {
-                let place = |at: &document::Label| match at.file == file.name {
+                let place = |at: &document::DiagnosticLabel| match at.file == file.name {
                     true => line_col(&text, at.span.start),
                     false => beside(&at.file).map_or((0, 0), |other| line_col(&other, at.span.start)),
                 };

@@ -5,7 +5,7 @@ use scanrig_plans::expect::{self, Expectation, ReadContext};
 use scanrig_plans::judge::{CaseJudge, Scenario};
 use scanrig_plans::lang::PlanNames;
 use scanrig_plans::{Anchor, TOML, measure};
-use signal::{Kind, SignalInfo};
+use signal::{SignalInfo, ValueKind};
 
 /// Names without a plan around them: everything is known.
 struct Anything;
@@ -121,11 +121,11 @@ fn senseless_claims_are_refused() {
 /// What the signals of the case cannot answer is found before the case runs.
 #[test]
 fn claims_about_the_wrong_signals_are_refused() {
-    let mut state = SignalInfo::exact("state", Kind::State);
+    let mut state = SignalInfo::exact("state", ValueKind::State);
     state.labels = vec![(2, "RUNNING".into())];
-    let mut volts = SignalInfo::exact("u", Kind::Real);
+    let mut volts = SignalInfo::exact("u", ValueKind::Real);
     volts.unit = "V".into();
-    let signals = [state, volts, SignalInfo::exact("q", Kind::Bool)];
+    let signals = [state, volts, SignalInfo::exact("q", ValueKind::Bool)];
     for (text, code) in [
         (r#"{ rises = { signal = "lamp" } }"#, "P0505"),
         (r#"{ state = { stays = "RUNING" } }"#, "P0504"),

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use document::{Diagnostic, SourceFile, line_col};
-use record::Origin;
+use record::ClaimOrigin;
 use scanrig_plans::plan::GlobalChecks;
 use scanrig_plans::signals::SignalSource;
 use scanrig_plans::{CODES, Case, read};
@@ -59,7 +59,7 @@ fn a_suite_adds_its_claims_with_their_places() {
     assert!(case.needs.iter().any(|need| need.word == "memory-access"));
     let scenario = case.scenario();
     let [never, alarm] = scenario.global_checks.as_slice() else { panic!("{scenario:#?}") };
-    assert_eq!((never.origin, never.expectation.place.as_ref().unwrap().line), (Origin::Suite, 3));
+    assert_eq!((never.origin, never.expectation.place.as_ref().unwrap().line), (ClaimOrigin::Suite, 3));
     assert_eq!(alarm.expectation.name, "heat");
     // The plan's own claims stay where they are.
     assert_eq!(scenario.expectations.len(), 1);

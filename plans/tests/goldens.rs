@@ -16,7 +16,9 @@ use scanrig_plans::expect::{self, Expectation, ReadContext};
 use scanrig_plans::judge::{CaseJudge, Scenario, StepFacts};
 use scanrig_plans::lang::PlanNames;
 use scanrig_plans::{Anchor, measure};
-use signal::{Cause, Event, Kind, Policy, Sampling, SignalId, SignalInfo, Span, Time, Trace, Value, When};
+use signal::{
+    Cause, Event, Policy, Sampling, SignalId, SignalInfo, Span, Time, Trace, Value, ValueKind, When,
+};
 
 /// Names without a plan around them: everything is known.
 #[derive(Debug)]
@@ -63,7 +65,7 @@ struct Golden {
     notes: Vec<(String, String)>,
 }
 
-fn value(text: &str, kind: Kind) -> Value {
+fn value(text: &str, kind: ValueKind) -> Value {
     match text {
         "TRUE" => Value::Bool(true),
         "FALSE" => Value::Bool(false),
@@ -71,17 +73,17 @@ fn value(text: &str, kind: Kind) -> Value {
         "?" => Value::Unknown,
         "off" => Value::Int(0),
         "fast-flash" => Value::Int(2),
-        _ if kind == Kind::Real => Value::Real(text.parse().expect("a real")),
+        _ if kind == ValueKind::Real => Value::Real(text.parse().expect("a real")),
         _ => Value::Int(text.parse().expect("an integer")),
     }
 }
 
 fn declare(words: &[&str]) -> SignalInfo {
     let kind = match words[1] {
-        "bool" => Kind::Bool,
-        "int" => Kind::Int,
-        "real" => Kind::Real,
-        "state" | "led" => Kind::State,
+        "bool" => ValueKind::Bool,
+        "int" => ValueKind::Int,
+        "real" => ValueKind::Real,
+        "state" | "led" => ValueKind::State,
         other => panic!("no kind {other}"),
     };
     let mut info = SignalInfo::exact(words[0], kind);
@@ -97,7 +99,7 @@ fn declare(words: &[&str]) -> SignalInfo {
     }
     if words[1] == "led" {
         info.labels = vec![(0, "off".into()), (1, "on".into()), (2, "fast-flash".into())];
-    } else if kind == Kind::State {
+    } else if kind == ValueKind::State {
         info.labels = vec![(0, "EMPTY".into()), (2, "RUNNING".into()), (4, "HALT".into())];
     }
     info
@@ -140,7 +142,7 @@ impl Golden {
     fn mark(&mut self, name: &str) -> SignalId {
         let at = self.signals.iter().position(|info| info.name == name).unwrap_or_else(|| {
             assert!(name.starts_with("step:"), "{}: no signal {name}", self.title);
-            self.signals.push(SignalInfo::exact(name, Kind::Mark));
+            self.signals.push(SignalInfo::exact(name, ValueKind::Mark));
             self.signals.len() - 1
         });
         SignalId(at as u32)

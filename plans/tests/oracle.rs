@@ -8,11 +8,11 @@ use std::sync::Arc;
 use document::{Fields, Findings, Node, SourceFile};
 use proptest::prelude::*;
 use record::Verdict;
-use scanrig_plans::expect::{self, Claim, Expectation, ReadContext};
+use scanrig_plans::expect::{self, Expectation, ReadContext, TraceClaim};
 use scanrig_plans::judge::{CaseJudge, Scenario};
 use scanrig_plans::lang::PlanNames;
 use scanrig_plans::{Anchor, TOML};
-use signal::{Cause, Event, Kind, SignalId, SignalInfo, Span, Time, Trace, Value, When};
+use signal::{Cause, Event, SignalId, SignalInfo, Span, Time, Trace, Value, ValueKind, When};
 
 /// Names without a plan around them: everything is known.
 struct Anything;
@@ -31,7 +31,7 @@ impl PlanNames for Anything {
     }
 }
 
-fn claim(text: &str) -> (&'static str, Arc<dyn Claim>) {
+fn claim(text: &str) -> (&'static str, Arc<dyn TraceClaim>) {
     let source = SourceFile::new("claim", format!("it = {text}"));
     let mut out = Findings::new(&source, TOML);
     let table = document::toml::parse(&source, TOML).expect("TOML");
@@ -104,15 +104,15 @@ fn trace(raw: &[Raw], signals: &[SignalInfo]) -> Trace {
 
 fn judged(raw: &[Raw], text: &str) -> Verdict {
     let signals = [
-        SignalInfo::exact("q", Kind::Bool),
-        SignalInfo::exact("step:a", Kind::Mark),
-        SignalInfo::exact("step:b", Kind::Mark),
+        SignalInfo::exact("q", ValueKind::Bool),
+        SignalInfo::exact("step:a", ValueKind::Mark),
+        SignalInfo::exact("step:b", ValueKind::Mark),
     ];
     judged_with(raw, text, &signals)
 }
 
 fn judged_with(raw: &[Raw], text: &str, signals: &[SignalInfo]) -> Verdict {
-    let signals = [signals, &[SignalInfo::exact("step:start", Kind::Mark)]].concat();
+    let signals = [signals, &[SignalInfo::exact("step:start", ValueKind::Mark)]].concat();
     let start = Raw { signal: signals.len() as u32 - 1, a: 0, b: 0, value: Value::Int(1) };
     let raw: Vec<Raw> = std::iter::once(start).chain(raw.iter().copied()).collect();
     let trace = trace(&raw, &signals);
@@ -364,8 +364,8 @@ proptest! {
         if !moving && a.b >= b.a {
             return Ok(());
         }
-        let counter = SignalInfo::exact("q", Kind::Int);
-        let marks = ["step:a", "step:b"].map(|mark| SignalInfo::exact(mark, Kind::Mark));
+        let counter = SignalInfo::exact("q", ValueKind::Int);
+        let marks = ["step:a", "step:b"].map(|mark| SignalInfo::exact(mark, ValueKind::Mark));
         let signals: Vec<SignalInfo> = [counter].into_iter().chain(marks).collect();
         let verdict = judged_with(&raw, &text, &signals);
         if known(&raw) {
@@ -452,7 +452,7 @@ proptest! {
         // Changes become known at the end of their intervals.
         raw.sort_by_key(|event| event.b);
         let expected = oracle_of_two(&raw);
-        let signals = [SignalInfo::exact("q", Kind::Bool), SignalInfo::exact("r", Kind::Bool)].map(|mut info| {
+        let signals = [SignalInfo::exact("q", ValueKind::Bool), SignalInfo::exact("r", ValueKind::Bool)].map(|mut info| {
             info.sampling = signal::Sampling::Edges { resolution: Span::from_nanos(20) };
             info
         });
@@ -485,8 +485,8 @@ proptest! {
 #[ignore = "takes seconds; run by hand with --release"]
 fn following_ten_million_events() {
     let mut signals: Vec<SignalInfo> =
-        (0..30).map(|at| SignalInfo::exact(format!("q{at}"), Kind::Bool)).collect();
-    signals.push(SignalInfo::exact("step:start", Kind::Mark));
+        (0..30).map(|at| SignalInfo::exact(format!("q{at}"), ValueKind::Bool)).collect();
+    signals.push(SignalInfo::exact("step:start", ValueKind::Mark));
     let expectations = (0..30).map(|at| {
         let texts = [
             format!(r#"{{ never = {{ signal = "q{at}", pulses-longer-than = "1 s" }} }}"#),

@@ -3,7 +3,7 @@
 //! The oracle of a profile adds up its shape in small steps and knows nothing of straight pieces.
 
 use proptest::prelude::*;
-use signal::Kind;
+use signal::ValueKind;
 
 use crate::oracle_values::{ORIGIN, Placed, Raw, apart_from_the_step, judged, line, placements, raw};
 
@@ -186,7 +186,7 @@ fn profile_of(
         r#"{{ name = "n", from = "a", profile-of = {{ {keys}, points = [{}], within = "{within} ns", over = "{over} ns" }} }}"#,
         listed.join(", ")
     );
-    let taken = judged(raw, &text, Kind::Bool).measurements.remove(0);
+    let taken = judged(raw, &text, ValueKind::Bool).measurements.remove(0);
     let Some([low, high]) = taken.value else { return Ok(()) };
     let open = taken.reason.contains("not known");
     let gigahertz = |hertz: f64| if hertz.is_finite() { hertz / 1e9 } else { 1e9 };
@@ -235,7 +235,7 @@ proptest! {
         prop_assume!(apart_from_the_step(&raw));
         let (keys, counts) = WAYS[which];
         let text = format!(r#"{{ name = "n", position-of = {{ {keys} }}, from = "a" }}"#);
-        let [low, high] = judged(&raw, &text, Kind::Bool).measurements[0].value.unwrap();
+        let [low, high] = judged(&raw, &text, ValueKind::Bool).measurements[0].value.unwrap();
         let (mut wrong, mut some) = (None, false);
         placements(&raw, |q, r, a| {
             let Some(counts) = counts(q, r) else { return };

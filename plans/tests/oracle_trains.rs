@@ -4,7 +4,7 @@
 //! interval has to hold what is measured in every placement.
 
 use proptest::prelude::*;
-use signal::Kind;
+use signal::ValueKind;
 
 use crate::oracle_values::{ORIGIN, Raw, apart_from_the_step, judged, line, placements, raw, rises};
 
@@ -82,7 +82,7 @@ proptest! {
         prop_assume!(apart_from_the_step(&raw));
         let (keys, figure) = FIGURES[which];
         let text = format!(r#"{{ name = "n", jitter-of = "q", from = "a"{keys} }}"#);
-        let Some([low, high]) = judged(&raw, &text, Kind::Bool).measurements[0].value else { return Ok(()) };
+        let Some([low, high]) = judged(&raw, &text, ValueKind::Bool).measurements[0].value else { return Ok(()) };
         let mut wrong = None;
         placements(&raw, |line, _, a| {
             let edges = rises(line, a);
@@ -112,7 +112,7 @@ proptest! {
         }
         let (keys, figure) = FIGURES[which];
         let text = format!(r#"{{ name = "n", jitter-of = "q", from = "a"{keys} }}"#);
-        let outcome = crate::oracle_values::judged_until(&raw, &text, Kind::Bool, at + 10);
+        let outcome = crate::oracle_values::judged_until(&raw, &text, ValueKind::Bool, at + 10);
         let [low, high] = outcome.measurements[0].value.unwrap();
         let value = figure(&edges);
         prop_assert!((low - value).abs() < 1e-6 && (high - value).abs() < 1e-6, "{low} .. {high} and not {value}: {text}");

@@ -10,7 +10,7 @@ use scanrig_plans::expect::{self, Expectation, ReadContext};
 use scanrig_plans::judge::{CaseJudge, JudgedCase, Scenario};
 use scanrig_plans::lang::PlanNames;
 use scanrig_plans::{Anchor, TOML, measure};
-use signal::{Cause, Event, Kind, SignalId, SignalInfo, Span, Time, Trace, Value, When};
+use signal::{Cause, Event, SignalId, SignalInfo, Span, Time, Trace, Value, ValueKind, When};
 
 /// Names without a plan around them: everything is known.
 struct Anything;
@@ -101,19 +101,19 @@ pub(crate) fn raw(lines: &[(Line, i64)], step: (i64, i64), exact: bool) -> Vec<R
     all
 }
 
-pub(crate) fn judged(raw: &[Raw], text: &str, kind: Kind) -> JudgedCase {
+pub(crate) fn judged(raw: &[Raw], text: &str, kind: ValueKind) -> JudgedCase {
     judged_until(raw, text, kind, END)
 }
 
 /// The same for a case that ends at another instant.
-pub(crate) fn judged_until(raw: &[Raw], text: &str, kind: Kind, end: i64) -> JudgedCase {
+pub(crate) fn judged_until(raw: &[Raw], text: &str, kind: ValueKind, end: i64) -> JudgedCase {
     let lines = ["q", "r"].map(|name| {
         let mut info = SignalInfo::exact(name, kind);
         info.sampling = signal::Sampling::Edges { resolution: Span::from_nanos(20) };
         info
     });
     let [q, r] = lines;
-    let marks = ["step:a", "step:start"].map(|name| SignalInfo::exact(name, Kind::Mark));
+    let marks = ["step:a", "step:start"].map(|name| SignalInfo::exact(name, ValueKind::Mark));
     let [a, start] = marks;
     let signals = [q, r, a, start];
     let mut trace = Trace::new();
@@ -124,7 +124,7 @@ pub(crate) fn judged_until(raw: &[Raw], text: &str, kind: Kind, end: i64) -> Jud
     for event in std::iter::once(&begun).chain(raw) {
         let at = When { earliest: Time::from_nanos(event.a), latest: Time::from_nanos(event.b) };
         let value = match (event.signal, kind) {
-            (0 | 1, Kind::Bool) => Value::Bool(event.value != 0),
+            (0 | 1, ValueKind::Bool) => Value::Bool(event.value != 0),
             _ => Value::Int(event.value),
         };
         trace.push(Event { signal: SignalId(event.signal), at, value, cause: Cause::Unknown }).unwrap();
@@ -224,7 +224,7 @@ proptest! {
             r#"{{ frequency = {{ signal = "q", min = "{:.3} mHz", max = "{:.3} mHz", from = "a" }} }}"#,
             slowest - 0.01, fastest + 0.01
         );
-        let verdict = judged(&raw, &text, Kind::Bool).verdict;
+        let verdict = judged(&raw, &text, ValueKind::Bool).verdict;
         prop_assert!(check(verdict, expected, exact), "{verdict} and not {expected}: {text} {raw:?}");
 
         let percent = least * 10;
@@ -239,7 +239,7 @@ proptest! {
             duty(line, a).is_some_and(|(high, whole)| high <= percent * whole)
         });
         let text = format!(r#"{{ duty = {{ signal = "q", max = "{percent} %", from = "a" }} }}"#);
-        let verdict = judged(&raw, &text, Kind::Bool).verdict;
+        let verdict = judged(&raw, &text, ValueKind::Bool).verdict;
         prop_assert!(check(verdict, expected, exact), "{verdict} and not {expected}: {text} {raw:?}");
     }
 
@@ -261,7 +261,7 @@ proptest! {
             })
         });
         let text = r#"{ phase = { of = "q", reference = "r", is = "180 deg ± 60 deg", from = "a" } }"#;
-        let verdict = judged(&raw, text, Kind::Bool).verdict;
+        let verdict = judged(&raw, text, ValueKind::Bool).verdict;
         prop_assert!(check(verdict, expected, exact), "{verdict} and not {expected}: {raw:?}");
     }
 
@@ -280,9 +280,9 @@ proptest! {
         let text = format!(
             r#"{{ settles = {{ signal = "q", is = 2, from = "a", within = "{within} ns", overshoot = 0.5 }} }}"#
         );
-        let verdict = judged(&raw, &text, Kind::Int).verdict;
+        let verdict = judged(&raw, &text, ValueKind::Int).verdict;
         // Without a step the answer is open by design.
-        let begun = judged(&raw, r#"{ name = "n", value-of = "q", when = "a" }"#, Kind::Int).measurements[0].value;
+        let begun = judged(&raw, r#"{ name = "n", value-of = "q", when = "a" }"#, ValueKind::Int).measurements[0].value;
         let stepped = begun.is_some_and(|value| value[0] == value[1] && value[0] != 2.0);
         prop_assert!(check(verdict, expected, exact && stepped), "{verdict} and not {expected}: {text} {raw:?}");
     }
@@ -308,7 +308,7 @@ proptest! {
         });
         let lag = if within > 0 { format!(r#", within = "{within} ns""#) } else { String::new() };
         let text = format!(r#"{{ follows = {{ signal = "q", leader = "r", tolerance = 1, from = "a"{lag} }} }}"#);
-        let verdict = judged(&raw, &text, Kind::Int).verdict;
+        let verdict = judged(&raw, &text, ValueKind::Int).verdict;
         // What lasts to the end of the case may go on: how long is not known then.
         let lasts = within > 0;
         prop_assert!(check(verdict, expected, exact && !lasts), "{verdict} and not {expected}: {text} {raw:?}");
@@ -321,7 +321,7 @@ proptest! {
         prop_assume!(apart_from_the_step(&raw));
         let take = ["min", "max", "mean", "rms", "span"][which];
         let text = format!(r#"{{ name = "n", value-of = "q", take = "{take}", from = "a" }}"#);
-        let [low, high] = judged(&raw, &text, Kind::Int).measurements[0].value.unwrap();
+        let [low, high] = judged(&raw, &text, ValueKind::Int).measurements[0].value.unwrap();
         let mut wrong = None;
         placements(&raw, |line, _, a| {
             let inside: Vec<(f64, f64)> = stretches(line)
@@ -355,7 +355,7 @@ proptest! {
         let take = ["min", "max", "mean", "span"][which];
         let key = if width { "width-of" } else { "period-of" };
         let text = format!(r#"{{ name = "n", {key} = "q", take = "{take}", from = "a" }}"#);
-        let Some([low, high]) = judged(&raw, &text, Kind::Bool).measurements[0].value else { return Ok(()) };
+        let Some([low, high]) = judged(&raw, &text, ValueKind::Bool).measurements[0].value else { return Ok(()) };
         let mut wrong = None;
         placements(&raw, |line, _, a| {
             let lengths: Vec<i64> = if width {

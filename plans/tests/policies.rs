@@ -6,11 +6,11 @@ use std::sync::Arc;
 use document::{Fields, Findings, Node, SourceFile};
 use proptest::prelude::*;
 use record::Verdict;
-use scanrig_plans::expect::{self, Claim, Expectation, ReadContext};
+use scanrig_plans::expect::{self, Expectation, ReadContext, TraceClaim};
 use scanrig_plans::judge::{CaseJudge, Scenario};
 use scanrig_plans::lang::PlanNames;
 use scanrig_plans::{Anchor, TOML, measure};
-use signal::{Cause, Event, Kind, Policy, SignalId, SignalInfo, Span, Time, Trace, Value, When};
+use signal::{Cause, Event, Policy, SignalId, SignalInfo, Span, Time, Trace, Value, ValueKind, When};
 
 /// Names without a plan around them: everything is known.
 struct Anything;
@@ -29,7 +29,7 @@ impl PlanNames for Anything {
     }
 }
 
-fn claim(inner: &Node, name: &str, out: &mut Findings) -> Option<(&'static str, Arc<dyn Claim>)> {
+fn claim(inner: &Node, name: &str, out: &mut Findings) -> Option<(&'static str, Arc<dyn TraceClaim>)> {
     let verb = expect::verb(name)?;
     let fields = Fields::check(inner.as_table()?, 0..1, verb.name, verb.keys, out);
     Some((verb.name, (verb.read)(&fields, &mut ReadContext { out, names: &Anything, place: 0..1 })?))
@@ -99,12 +99,12 @@ type Step = (usize, i64, i64);
 
 const SIGNALS: [&str; 7] = ["n", "m", "q", "r", "step:a", "step:b", "step:start"];
 
-fn infos(kind: Kind, policies: [Policy; 2]) -> Vec<SignalInfo> {
+fn infos(kind: ValueKind, policies: [Policy; 2]) -> Vec<SignalInfo> {
     let info = |(place, name): (usize, &&str)| {
         let (kind, policy) = match place {
             0 | 1 => (kind, policies[0]),
-            2 | 3 => (Kind::Bool, policies[1]),
-            _ => (Kind::Mark, Policy::Changes),
+            2 | 3 => (ValueKind::Bool, policies[1]),
+            _ => (ValueKind::Mark, Policy::Changes),
         };
         SignalInfo { policy, ..SignalInfo::exact(*name, kind) }
     };
@@ -121,8 +121,8 @@ fn verdict(scenario: &Scenario, infos: &[SignalInfo], steps: &[Step]) -> Verdict
     for (place, step, number) in first.chain(steps.iter().copied()) {
         now += step;
         let value = match infos[place].kind {
-            Kind::Bool => Value::Bool(number > 0),
-            Kind::Real => Value::Real(number as f64),
+            ValueKind::Bool => Value::Bool(number > 0),
+            ValueKind::Real => Value::Real(number as f64),
             _ => Value::Int(number),
         };
         let at = When::exactly(Time::from_nanos(now));
@@ -156,7 +156,7 @@ proptest! {
         let mut once = |(place, ..): &Step| *place < 4 || !std::mem::replace(&mut came[*place], true);
         let mut steps: Vec<Step> = steps.into_iter().filter(&mut once).collect();
         steps.extend([(4, 1, 1), (5, 1, 1)].into_iter().filter(&mut once));
-        let kind = if real { Kind::Real } else { Kind::Int };
+        let kind = if real { ValueKind::Real } else { ValueKind::Int };
         let every = Policy::AtMostEvery(Span::from_nanos(every));
         let whole = infos(kind, [Policy::Changes; 2]);
         let partly = infos(kind, [deadband.map_or(every, Policy::Deadband), every]);

@@ -3,7 +3,7 @@
 use document::{SourceFile, line_col};
 use scanrig_plans::bench::{Doubt, doubt};
 use scanrig_plans::read;
-use signal::{Kind, Sampling, SignalInfo, Span};
+use signal::{Sampling, SignalInfo, Span, ValueKind};
 
 /// The warnings of a plan with their lines.
 fn warnings(text: &str) -> Vec<String> {
@@ -81,7 +81,7 @@ fn limits_closer_than_a_channel_samples_are_reported() {
             "format = 1\nprogram = \"a.st\"\nends = \"start + 10 s\"\nexpect = [{{ rises = {{ signal = \"lamp\", within = \"{within}\" }} }}]\n"
         );
         let case = read(&SourceFile::new("a.toml", text), &[], 1).unwrap().case(0).unwrap();
-        let infos = [SignalInfo { sampling, ..SignalInfo::exact("lamp", Kind::Bool) }];
+        let infos = [SignalInfo { sampling, ..SignalInfo::exact("lamp", ValueKind::Bool) }];
         matches!(doubt(&*case.expectations[0].claim, &infos, &|_| None), Some(Doubt::Blind(_)))
     };
     let sampled = Sampling::Sampled { period: Span::from_millis(10) };

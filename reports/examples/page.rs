@@ -33,12 +33,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 /// The lanes of a case with every kind of signal as a trace, as VCD.
 fn dump(run: &record::RunRecord) -> String {
-    use signal::{Cause, Event, Kind, SignalId, SignalInfo, Time, Value, When};
+    use signal::{Cause, Event, SignalId, SignalInfo, Time, Value, ValueKind, When};
     let lanes = run.cases.get(3).map_or(&[][..], |case| &case.lanes);
     let kind = |lane: &record::Lane| match lane.kind {
-        record::LaneKind::Digital => Kind::Bool,
-        record::LaneKind::Analog => Kind::Real,
-        record::LaneKind::State => Kind::State,
+        record::LaneKind::Digital => ValueKind::Bool,
+        record::LaneKind::Analog => ValueKind::Real,
+        record::LaneKind::State => ValueKind::State,
     };
     let info = |lane: &record::Lane| SignalInfo {
         labels: lane.labels.clone(),

@@ -3,7 +3,7 @@
 //! Numbers are plain decimals in the unit that stands beside them; what is not there is an empty field. A text that
 //! a spreadsheet would take for a formula has an apostrophe in front.
 
-use crate::show::{self, Outcome, clean};
+use crate::show::{self, ShownOutcome, clean};
 use record::{CaseRecord, Figure, RunRecord};
 
 /// Header of [`measurements`].
@@ -57,7 +57,7 @@ pub fn claims(run: &RunRecord) -> String {
 }
 
 fn judged(run: &RunRecord) -> impl Iterator<Item = &CaseRecord> {
-    run.cases.iter().filter(|case| matches!(Outcome::of(case), Outcome::Judged(_)))
+    run.cases.iter().filter(|case| matches!(ShownOutcome::of(case), ShownOutcome::Judged(_)))
 }
 
 /// Rows under a header.

@@ -5,8 +5,8 @@
 //! nothing was judged `other`.
 
 use crate::brief::{self, DecidingResult};
-use crate::show::{self, Outcome, clean};
-use record::{CaseRecord, ClaimRecord, Clock, Figure, MeasurementRecord, RunRecord, Verdict};
+use crate::show::{self, ShownOutcome, clean};
+use record::{CaseRecord, ClaimRecord, Figure, MeasurementRecord, RunClock, RunRecord, Verdict};
 use serde_json::{Map, Value, json};
 use signal::calendar::seconds_of;
 
@@ -33,8 +33,8 @@ pub fn render(run: &RunRecord) -> String {
         (
             "testEnvironment",
             text(match facts.clock {
-                Clock::Virtual => "virtual time",
-                Clock::Real => "real time",
+                RunClock::Virtual => "virtual time",
+                RunClock::Real => "real time",
             }),
         ),
         ("shardId", text(&run.shard.map_or(String::new(), |[part, of]| format!("{part}/{of}")))),
@@ -105,9 +105,9 @@ fn object<const N: usize>(entries: [(&str, Value); N]) -> Map<String, Value> {
 }
 
 fn status_of(case: &CaseRecord) -> &'static str {
-    match Outcome::of(case) {
-        Outcome::Judged(verdict) => status_word(verdict),
-        Outcome::Skipped | Outcome::NotApplicable => "skipped",
+    match ShownOutcome::of(case) {
+        ShownOutcome::Judged(verdict) => status_word(verdict),
+        ShownOutcome::Skipped | ShownOutcome::NotApplicable => "skipped",
     }
 }
 
@@ -120,7 +120,7 @@ const fn status_word(verdict: Verdict) -> &'static str {
 }
 
 fn test(case: &CaseRecord) -> Value {
-    let attention = Outcome::of(case) != Outcome::Judged(Verdict::Pass);
+    let attention = ShownOutcome::of(case) != ShownOutcome::Judged(Verdict::Pass);
     let details = || {
         let text = crate::text::details(case, crate::text::Style::default());
         Value::String(brief::cut(&text, LONGEST_TRACE))
@@ -156,7 +156,7 @@ fn test(case: &CaseRecord) -> Value {
     Value::Object(object([
         ("name", text(name)),
         ("status", text(status_of(case))),
-        ("rawStatus", text(Outcome::of(case).word())),
+        ("rawStatus", text(ShownOutcome::of(case).word())),
         ("duration", json!(case.host_ms)),
         ("suite", suite),
         (

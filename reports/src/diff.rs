@@ -2,7 +2,7 @@
 
 use crate::show::clean;
 use crate::text::Style;
-use record::{CaseChange, Change, Comparison, Figure};
+use record::{CaseChange, Comparison, Figure, TextChange};
 use std::fmt::Write;
 
 /// The most entries of one list that are shown.
@@ -85,7 +85,7 @@ fn case(change: &CaseChange) -> Vec<String> {
     vec![head, change.reason.clone()]
 }
 
-fn fact(change: &Change) -> Vec<String> {
+fn fact(change: &TextChange) -> Vec<String> {
     let short = |text: &str| if text.is_empty() { "none".to_owned() } else { text.to_owned() };
     vec![change.what.clone(), format!("{} became {}", short(&change.old), short(&change.new))]
 }

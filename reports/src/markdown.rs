@@ -5,7 +5,7 @@
 
 use crate::brief::{self, DecidingResult};
 use crate::matrix;
-use crate::show::{self, Outcome, clean, sign};
+use crate::show::{self, ShownOutcome, clean, sign};
 use record::{CaseRecord, Figure, RunRecord, Totals, Verdict};
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -268,7 +268,7 @@ fn environment(page: &mut BoundedText, run: &RunRecord) {
 }
 
 fn outcome(case: &CaseRecord) -> String {
-    format!("{} {}", Outcome::of(case).sign(), Outcome::of(case).word())
+    format!("{} {}", ShownOutcome::of(case).sign(), ShownOutcome::of(case).word())
 }
 
 /// A text as code in a line or in a cell of a table, not too long; nothing where it is empty.

@@ -1,6 +1,6 @@
 //! Which requirement is proved by which cases.
 
-use crate::show::Outcome;
+use crate::show::ShownOutcome;
 use record::{RunRecord, Verdict};
 use std::collections::BTreeMap;
 
@@ -19,9 +19,9 @@ pub struct RequirementRow {
 pub fn requirements(run: &RunRecord) -> Vec<RequirementRow> {
     let mut rows: BTreeMap<(String, u64, &str), RequirementRow> = BTreeMap::new();
     for (place, case) in run.cases.iter().enumerate() {
-        let verdict = match Outcome::of(case) {
-            Outcome::Judged(verdict) => verdict,
-            Outcome::Skipped | Outcome::NotApplicable => Verdict::None,
+        let verdict = match ShownOutcome::of(case) {
+            ShownOutcome::Judged(verdict) => verdict,
+            ShownOutcome::Skipped | ShownOutcome::NotApplicable => Verdict::None,
         };
         for id in &case.proves {
             let row = rows.entry(key(id)).or_insert_with(|| RequirementRow {

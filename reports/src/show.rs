@@ -6,35 +6,35 @@ use std::borrow::Cow;
 
 /// What a case came to, with "not applicable" and "skipped" beside the verdicts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Outcome {
+pub(crate) enum ShownOutcome {
     Judged(Verdict),
     Skipped,
     NotApplicable,
 }
 
-impl Outcome {
-    pub(crate) fn of(case: &CaseRecord) -> Outcome {
+impl ShownOutcome {
+    pub(crate) fn of(case: &CaseRecord) -> ShownOutcome {
         match case.status {
-            CaseStatus::Judged => Outcome::Judged(case.verdict),
-            CaseStatus::NotApplicable { .. } => Outcome::NotApplicable,
-            CaseStatus::Skipped { .. } => Outcome::Skipped,
+            CaseStatus::Judged => ShownOutcome::Judged(case.verdict),
+            CaseStatus::NotApplicable { .. } => ShownOutcome::NotApplicable,
+            CaseStatus::Skipped { .. } => ShownOutcome::Skipped,
         }
     }
 
     /// A word that is also the class in the page.
     pub(crate) const fn word(self) -> &'static str {
         match self {
-            Outcome::Judged(verdict) => verdict.word(),
-            Outcome::Skipped => "skipped",
-            Outcome::NotApplicable => "not-applicable",
+            ShownOutcome::Judged(verdict) => verdict.word(),
+            ShownOutcome::Skipped => "skipped",
+            ShownOutcome::NotApplicable => "not-applicable",
         }
     }
 
     /// A sign beside the colour, so that colour is never the only difference.
     pub(crate) const fn sign(self) -> &'static str {
         match self {
-            Outcome::Judged(verdict) => sign(verdict),
-            Outcome::Skipped | Outcome::NotApplicable => "–",
+            ShownOutcome::Judged(verdict) => sign(verdict),
+            ShownOutcome::Skipped | ShownOutcome::NotApplicable => "–",
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::coverage::CoverageRow;
 pub use crate::show::clean;
-use crate::show::{self, Outcome};
+use crate::show::{self, ShownOutcome};
 use record::{
     CaseRecord, ClaimRecord, FigureOf, FileCoverage, MeasurementRecord, RepeatedFigure, RunRecord, Totals,
     Verdict,
@@ -60,15 +60,15 @@ pub fn numbered_line(case: &CaseRecord, number: usize, total: usize, style: Styl
 }
 
 fn line_of(case: &CaseRecord, number: &str, style: Style) -> String {
-    let outcome = Outcome::of(case);
+    let outcome = ShownOutcome::of(case);
     let word = match outcome {
-        Outcome::Judged(Verdict::Pass) => "PASS",
-        Outcome::Judged(Verdict::Fail) => "FAIL",
-        Outcome::Judged(Verdict::Inconclusive) => "INCONCLUSIVE",
-        Outcome::Judged(Verdict::Error) => "ERROR",
-        Outcome::Judged(Verdict::None) => "NO VERDICT",
-        Outcome::Skipped => "SKIP",
-        Outcome::NotApplicable => "N/A",
+        ShownOutcome::Judged(Verdict::Pass) => "PASS",
+        ShownOutcome::Judged(Verdict::Fail) => "FAIL",
+        ShownOutcome::Judged(Verdict::Inconclusive) => "INCONCLUSIVE",
+        ShownOutcome::Judged(Verdict::Error) => "ERROR",
+        ShownOutcome::Judged(Verdict::None) => "NO VERDICT",
+        ShownOutcome::Skipped => "SKIP",
+        ShownOutcome::NotApplicable => "N/A",
     };
     let name = clean(&case.name);
     let word = paint(&format!("{word:>12}"), outcome, style);
@@ -83,7 +83,7 @@ fn line_of(case: &CaseRecord, number: &str, style: Style) -> String {
 /// with a line end.
 pub fn details(case: &CaseRecord, style: Style) -> String {
     let mut out = String::new();
-    let outcome = Outcome::of(case);
+    let outcome = ShownOutcome::of(case);
     let head = format!("{} {}", outcome.sign(), clean(&case.name));
     line(&mut out, 0, &paint(&head, outcome, style), &clean(&case.title));
     if !case.reason.is_empty() {
@@ -103,7 +103,7 @@ pub fn details(case: &CaseRecord, style: Style) -> String {
 
 fn claim_details(out: &mut String, case: &CaseRecord, claim: &ClaimRecord, style: Style) {
     let head = format!("{} {}", show::sign(claim.verdict), clean(&claim.name));
-    line(out, 2, &paint(&head, Outcome::Judged(claim.verdict), style), "");
+    line(out, 2, &paint(&head, ShownOutcome::Judged(claim.verdict), style), "");
     facts(
         out,
         &[
@@ -143,7 +143,7 @@ fn claim_place(case: &CaseRecord, claim: &ClaimRecord) -> String {
 
 fn measurement_details(out: &mut String, case: &CaseRecord, measurement: &MeasurementRecord, style: Style) {
     let head = format!("{} {}", show::sign(measurement.verdict), clean(&measurement.name));
-    line(out, 2, &paint(&head, Outcome::Judged(measurement.verdict), style), "");
+    line(out, 2, &paint(&head, ShownOutcome::Judged(measurement.verdict), style), "");
     facts(
         out,
         &[
@@ -184,20 +184,20 @@ fn line(out: &mut String, indent: usize, label: &str, text: &str) {
 /// run ended early is said.
 pub fn summary(run: &RunRecord, style: Style) -> String {
     let Totals { passed, none, inconclusive, failed, errors, not_applicable, skipped } = run.totals;
-    let count = |n: u64, word: &str, outcome: Outcome| {
+    let count = |n: u64, word: &str, outcome: ShownOutcome| {
         let text = format!("{n} {word}");
         if n == 0 { text } else { paint(&text, outcome, style) }
     };
     let mut parts = vec![
-        count(passed, "passed", Outcome::Judged(Verdict::Pass)),
-        count(failed, "failed", Outcome::Judged(Verdict::Fail)),
-        count(inconclusive, "inconclusive", Outcome::Judged(Verdict::Inconclusive)),
-        count(not_applicable, "not applicable", Outcome::NotApplicable),
+        count(passed, "passed", ShownOutcome::Judged(Verdict::Pass)),
+        count(failed, "failed", ShownOutcome::Judged(Verdict::Fail)),
+        count(inconclusive, "inconclusive", ShownOutcome::Judged(Verdict::Inconclusive)),
+        count(not_applicable, "not applicable", ShownOutcome::NotApplicable),
     ];
     for (n, word, outcome) in [
-        (errors, if errors == 1 { "error" } else { "errors" }, Outcome::Judged(Verdict::Error)),
-        (none, "without verdict", Outcome::Judged(Verdict::None)),
-        (skipped, "skipped", Outcome::Skipped),
+        (errors, if errors == 1 { "error" } else { "errors" }, ShownOutcome::Judged(Verdict::Error)),
+        (none, "without verdict", ShownOutcome::Judged(Verdict::None)),
+        (skipped, "skipped", ShownOutcome::Skipped),
     ] {
         if n > 0 {
             parts.push(count(n, word, outcome));
@@ -252,16 +252,16 @@ pub fn repeats(run: &RunRecord) -> String {
     out
 }
 
-fn paint(text: &str, outcome: Outcome, style: Style) -> String {
+fn paint(text: &str, outcome: ShownOutcome, style: Style) -> String {
     if !style.color {
         return text.to_owned();
     }
     let code = match outcome {
-        Outcome::Judged(Verdict::Pass) => "32;1",
-        Outcome::Judged(Verdict::Fail) => "31;1",
-        Outcome::Judged(Verdict::Inconclusive) => "33;1",
-        Outcome::Judged(Verdict::Error) => "35;1",
-        Outcome::Judged(Verdict::None) | Outcome::Skipped | Outcome::NotApplicable => "2",
+        ShownOutcome::Judged(Verdict::Pass) => "32;1",
+        ShownOutcome::Judged(Verdict::Fail) => "31;1",
+        ShownOutcome::Judged(Verdict::Inconclusive) => "33;1",
+        ShownOutcome::Judged(Verdict::Error) => "35;1",
+        ShownOutcome::Judged(Verdict::None) | ShownOutcome::Skipped | ShownOutcome::NotApplicable => "2",
     };
     format!("\u{1b}[{code}m{text}\u{1b}[0m")
 }

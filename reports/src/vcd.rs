@@ -6,7 +6,7 @@
 //! else the trace knew: `note KEY VALUE`, and at the end `widest SIGNAL N ns`, how far apart the earliest and the
 //! latest instant of a change lie at most.
 
-use signal::{Event, Kind, SignalId, SignalInfo, Trace, TraceError, Value};
+use signal::{Event, SignalId, SignalInfo, Trace, TraceError, Value, ValueKind};
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
 use std::io::{self, Write};
@@ -142,9 +142,11 @@ impl<'a, W: Write> VcdWriter<'a, W> {
         let names = names(signals);
         for (info, name) in signals.iter().zip(&names) {
             codes.push(match info.kind {
-                Kind::Bool => writer.add_wire(1, name)?,
-                Kind::Real => writer.add_var(VarType::Real, 64, name, None)?,
-                Kind::Int | Kind::Word | Kind::State | Kind::Mark => writer.add_wire(64, name)?,
+                ValueKind::Bool => writer.add_wire(1, name)?,
+                ValueKind::Real => writer.add_var(VarType::Real, 64, name, None)?,
+                ValueKind::Int | ValueKind::Word | ValueKind::State | ValueKind::Mark => {
+                    writer.add_wire(64, name)?
+                }
             });
         }
         writer.upscope()?;
@@ -153,9 +155,11 @@ impl<'a, W: Write> VcdWriter<'a, W> {
         writer.begin(SimulationCommand::Dumpvars)?;
         for (info, code) in signals.iter().zip(&codes) {
             match info.kind {
-                Kind::Bool => writer.change_scalar(*code, vcd::Value::X)?,
-                Kind::Real => {}
-                Kind::Int | Kind::Word | Kind::State | Kind::Mark => unknown_vector(&mut writer, *code)?,
+                ValueKind::Bool => writer.change_scalar(*code, vcd::Value::X)?,
+                ValueKind::Real => {}
+                ValueKind::Int | ValueKind::Word | ValueKind::State | ValueKind::Mark => {
+                    unknown_vector(&mut writer, *code)?
+                }
             }
         }
         writer.end()?;
@@ -213,9 +217,9 @@ impl<'a, W: Write> VcdWriter<'a, W> {
             self.now = at;
         }
         match info.kind {
-            Kind::Bool => self.writer.change_scalar(code, scalar(value)),
-            Kind::Real => self.writer.change_real(code, value.as_real().unwrap_or(f64::NAN)),
-            Kind::Int | Kind::Word | Kind::State | Kind::Mark => match value.as_int() {
+            ValueKind::Bool => self.writer.change_scalar(code, scalar(value)),
+            ValueKind::Real => self.writer.change_real(code, value.as_real().unwrap_or(f64::NAN)),
+            ValueKind::Int | ValueKind::Word | ValueKind::State | ValueKind::Mark => match value.as_int() {
                 // The low 64 bits: an Int as two's complement, a Word as it is.
                 Some(n) => write_vector(self.writer.writer(), n, code),
                 None => unknown_vector(&mut self.writer, code),
@@ -333,13 +337,13 @@ mod tests {
 
     #[test]
     fn every_kind_reads_back() {
-        let mut state = SignalInfo::exact("state", Kind::State);
+        let mut state = SignalInfo::exact("state", ValueKind::State);
         state.labels = vec![(2, "RUNNING $end".into())];
         let signals = [
-            SignalInfo::exact("HSC0.out0", Kind::Bool),
+            SignalInfo::exact("HSC0.out0", ValueKind::Bool),
             state,
-            SignalInfo::exact("level $end", Kind::Real),
-            SignalInfo::exact("level__end", Kind::Int),
+            SignalInfo::exact("level $end", ValueKind::Real),
+            SignalInfo::exact("level__end", ValueKind::Int),
         ];
         let events = [
             event(0, 5, 5, Value::Bool(true)),
@@ -372,7 +376,7 @@ mod tests {
     #[test]
     fn a_trace_and_its_events_write_the_same_dump() {
         let mut trace = Trace::new();
-        let id = trace.define(SignalInfo::exact("lamp", Kind::Bool)).unwrap();
+        let id = trace.define(SignalInfo::exact("lamp", ValueKind::Bool)).unwrap();
         let events = [event(id.0, 5, 5, Value::Bool(true)), event(id.0, 9, 12, Value::Bool(false))];
         for event in events {
             trace.push(event).unwrap();
@@ -386,7 +390,7 @@ mod tests {
 
     #[test]
     fn time_never_runs_backwards() {
-        let signals = [SignalInfo::exact("a", Kind::Bool), SignalInfo::exact("b", Kind::Bool)];
+        let signals = [SignalInfo::exact("a", ValueKind::Bool), SignalInfo::exact("b", ValueKind::Bool)];
         let events = [
             event(0, -50, -40, Value::Bool(true)),
             event(0, 100, 200, Value::Bool(false)),

@@ -5,7 +5,7 @@ use record::*;
 use scanrig_reports::html;
 use serde_json::Value as Json;
 use sha2::{Digest, Sha256};
-use signal::{Kind, SignalInfo, Time, Value, When};
+use signal::{SignalInfo, Time, Value, ValueKind, When};
 
 fn page(run: &RunRecord) -> (String, Vec<crate::markup::Element>) {
     let text = html::render(run).unwrap();
@@ -98,7 +98,7 @@ fn what_has_no_record_is_said() {
 fn the_host_clock_says_how_well_it_was_kept() {
     let mut run = crate::fixture::drawn();
     assert!(!page(&run).0.contains("Rig timing</dt>"));
-    run.provenance.clock = Clock::Real;
+    run.provenance.clock = RunClock::Real;
     assert!(page(&run).0.contains("at most 41 us late, 0 overruns, 0 events dropped"));
 }
 
@@ -160,7 +160,7 @@ fn sixty_busy_cases_stay_under_two_megabytes() {
         let mut case = busy.clone();
         case.name = format!("busy/case[{n}]");
         for lane in 0..6 {
-            let kind = if lane == 0 { Kind::Real } else { Kind::Bool };
+            let kind = if lane == 0 { ValueKind::Real } else { ValueKind::Bool };
             let mut dense = Lane::of(&SignalInfo::exact(format!("s{lane}"), kind));
             for at in 0..MAX_LANE_POINTS as i64 {
                 let value =

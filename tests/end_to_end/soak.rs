@@ -4,8 +4,8 @@
 use crate::project_folder::TestProject;
 use crate::stepped_rig::SteppedRig;
 use control::{
-    Action, Advanced, Client, Done, Event, Forces, Operation, PlanEvent, Status, Subscribed, Topic, Values,
-    WireValue,
+    Advanced, ControlClient, ControllerAction, Done, Forces, PlanEvent, RequestOperation, SignalValues,
+    Status, Subscribed, SubscriptionEvent, Topic, WireValue,
 };
 use signal::Value;
 use std::io::Write;
@@ -73,23 +73,23 @@ fn size(stepped: &SteppedRig) -> ProcessUsage {
     ProcessUsage { bytes: kib * 1024, files: count("fd"), threads: count("task") }
 }
 
-fn connect(stepped: &SteppedRig, name: &str) -> Client {
-    Client::connect(&stepped.socket(), name).unwrap()
+fn connect(stepped: &SteppedRig, name: &str) -> ControlClient {
+    ControlClient::connect(&stepped.socket(), name).unwrap()
 }
 
-fn signals(names: &[&str], all: bool) -> Operation {
+fn signals(names: &[&str], all: bool) -> RequestOperation {
     let names = names.iter().map(|name| (*name).to_owned()).collect();
-    Operation::Subscribe { topic: Topic::Signals { names, every_ms: 20, all } }
+    RequestOperation::Subscribe { topic: Topic::Signals { names, every_ms: 20, all } }
 }
 
 /// Somebody who looks at a trend for a second, and sees all of it.
 fn trend(stepped: &SteppedRig) {
     let mut client = connect(stepped, "trend");
     client.ask::<Subscribed>(signals(&["MAIN.count", "pressure", "Q0", "Q1", "%IX0.0"], true)).unwrap();
-    client.ask::<Advanced>(Operation::Advance { by: SECOND }).unwrap();
+    client.ask::<Advanced>(RequestOperation::Advance { by: SECOND }).unwrap();
     let mut seen = 0;
     while let Some(event) = client.next(Duration::ZERO).unwrap() {
-        if let Event::Signals { changes, missed, .. } = event {
+        if let SubscriptionEvent::Signals { changes, missed, .. } = event {
             assert_eq!(missed, 0);
             seen += changes.len();
         }
@@ -110,12 +110,12 @@ fn deaf(stepped: &SteppedRig) -> UnixStream {
 /// Somebody who runs a plan, and waits until the program runs again.
 fn plan(stepped: &SteppedRig) {
     let mut client = connect(stepped, "plan");
-    client.ask::<Subscribed>(Operation::Subscribe { topic: Topic::Plan }).unwrap();
-    client.ask::<Done>(Operation::Plan { name: "lamp".to_owned() }).unwrap();
+    client.ask::<Subscribed>(RequestOperation::Subscribe { topic: Topic::Plan }).unwrap();
+    client.ask::<Done>(RequestOperation::Plan { name: "lamp".to_owned() }).unwrap();
     let began = Instant::now();
     let verdict = loop {
         assert!(began.elapsed() < PATIENCE, "the plan does not end");
-        if let Some(Event::Plan { event: PlanEvent::Over { verdict, .. }, .. }) =
+        if let Some(SubscriptionEvent::Plan { event: PlanEvent::Over { verdict, .. }, .. }) =
             client.next(PATIENCE).unwrap()
         {
             break verdict;
@@ -126,7 +126,7 @@ fn plan(stepped: &SteppedRig) {
 }
 
 /// A round: what several people do in a second.
-fn round(stepped: &SteppedRig, leader: &mut Client, deaf_ones: &mut Vec<UnixStream>, round: u32) {
+fn round(stepped: &SteppedRig, leader: &mut ControlClient, deaf_ones: &mut Vec<UnixStream>, round: u32) {
     let name = "%IX0.0".to_owned();
     let on = WireValue(Value::Bool(round.is_multiple_of(2)));
     if round.is_multiple_of(60) {
@@ -134,7 +134,7 @@ fn round(stepped: &SteppedRig, leader: &mut Client, deaf_ones: &mut Vec<UnixStre
         plan(stepped);
     }
     leader
-        .ask::<Done>(Operation::Write {
+        .ask::<Done>(RequestOperation::Write {
             name: "MAIN.preset".to_owned(),
             value: WireValue(Value::Int(round.into())),
         })
@@ -142,15 +142,15 @@ fn round(stepped: &SteppedRig, leader: &mut Client, deaf_ones: &mut Vec<UnixStre
     if round.is_multiple_of(3) {
         // One who forces and goes, one who forces and is lost, one who takes it back.
         let mut hand = connect(stepped, "hand");
-        hand.ask::<Done>(Operation::Force { name: name.clone(), value: on }).unwrap();
+        hand.ask::<Done>(RequestOperation::Force { name: name.clone(), value: on }).unwrap();
         match round % 9 {
-            0 => drop(hand.ask::<Done>(Operation::Leave { forces: Forces::Keep }).unwrap()),
+            0 => drop(hand.ask::<Done>(RequestOperation::Leave { forces: Forces::Keep }).unwrap()),
             3 => drop(hand),
-            _ => drop(hand.ask::<Done>(Operation::Leave { forces: Forces::Release }).unwrap()),
+            _ => drop(hand.ask::<Done>(RequestOperation::Leave { forces: Forces::Release }).unwrap()),
         }
     }
     if round.is_multiple_of(10) {
-        leader.ask::<Done>(Operation::ReleaseAll).unwrap();
+        leader.ask::<Done>(RequestOperation::ReleaseAll).unwrap();
         deaf_ones.push(deaf(stepped));
         if deaf_ones.len() > 3 {
             deaf_ones.remove(0);
@@ -159,20 +159,21 @@ fn round(stepped: &SteppedRig, leader: &mut Client, deaf_ones: &mut Vec<UnixStre
     if round.is_multiple_of(5) {
         trend(stepped);
     } else {
-        leader.ask::<Advanced>(Operation::Advance { by: SECOND }).unwrap();
+        leader.ask::<Advanced>(RequestOperation::Advance { by: SECOND }).unwrap();
     }
     if round.is_multiple_of(50) {
-        leader.ask::<Done>(Operation::Command { action: Action::Stop }).unwrap();
-        leader.ask::<Advanced>(Operation::Advance { by: SECOND / 10 }).unwrap();
-        assert_eq!(leader.ask::<Status>(Operation::Status).unwrap().state, "STOPPED");
-        leader.ask::<Done>(Operation::Command { action: Action::Run }).unwrap();
-        leader.ask::<Advanced>(Operation::Advance { by: SECOND / 10 }).unwrap();
+        leader.ask::<Done>(RequestOperation::Command { action: ControllerAction::Stop }).unwrap();
+        leader.ask::<Advanced>(RequestOperation::Advance { by: SECOND / 10 }).unwrap();
+        assert_eq!(leader.ask::<Status>(RequestOperation::Status).unwrap().state, "STOPPED");
+        leader.ask::<Done>(RequestOperation::Command { action: ControllerAction::Run }).unwrap();
+        leader.ask::<Advanced>(RequestOperation::Advance { by: SECOND / 10 }).unwrap();
     }
-    let read: Values = leader.ask(Operation::Read { names: vec!["MAIN.preset".to_owned()] }).unwrap();
+    let read: SignalValues =
+        leader.ask(RequestOperation::Read { names: vec!["MAIN.preset".to_owned()] }).unwrap();
     assert_eq!(read.values, [WireValue(Value::Int(round.into()))]);
     let mut reported = 0;
     while let Some(event) = leader.next(Duration::ZERO).unwrap() {
-        reported += u32::from(matches!(event, Event::Status { .. }));
+        reported += u32::from(matches!(event, SubscriptionEvent::Status { .. }));
     }
     assert!(reported > 0, "round {round} reported nothing of the status");
 }
@@ -186,7 +187,7 @@ fn ten_minutes_of_commissioning_leave_the_rig_as_large_as_it_was() {
     let stepped = SteppedRig::start(&bench, "soak.toml", "soak.st");
     stepped.expect(0, &["await", "state=RUNNING", "--advance", "60s"]);
     let mut leader = connect(&stepped, "leader");
-    leader.ask::<Subscribed>(Operation::Subscribe { topic: Topic::Status { every_ms: 100 } }).unwrap();
+    leader.ask::<Subscribed>(RequestOperation::Subscribe { topic: Topic::Status { every_ms: 100 } }).unwrap();
     let mut deaf_ones = Vec::new();
     (1..=WARM).for_each(|place| round(&stepped, &mut leader, &mut deaf_ones, place));
     let warm = size(&stepped);
@@ -194,6 +195,6 @@ fn ten_minutes_of_commissioning_leave_the_rig_as_large_as_it_was() {
     let end = size(&stepped);
     assert!(end.bytes <= warm.bytes + SLACK, "{warm:?} became {end:?}");
     assert_eq!((end.files, end.threads), (warm.files, warm.threads));
-    let status: Status = leader.ask(Operation::Status).unwrap();
+    let status: Status = leader.ask(RequestOperation::Status).unwrap();
     assert_eq!((&*status.state, status.rig.untold), ("RUNNING", 0));
 }

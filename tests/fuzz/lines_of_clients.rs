@@ -1,7 +1,9 @@
 //! Lines of clients of the control socket.
 
-use control::{Clock, Description, Fault, Greeting, PROTOCOL, Request, Signal as Named, SignalKind, Status};
-use services::control::{Answer, Hub, Order, Peer, Rig, RigEvent, Settings, Ticket, decode};
+use control::{
+    Description, Greeting, PROTOCOL, Request, RequestFault, Signal as Named, SignalKind, Status, TimeSource,
+};
+use services::control::{Answer, Hub, Peer, Rig, RigEvent, RigOrder, SocketSettings, Ticket, decode};
 use signal::{Span, Time, Value, When};
 
 /// A rig that has every signal, and does what it is asked.
@@ -25,20 +27,20 @@ impl Rig for Willing {
     }
 
     fn describe(&self) -> Description {
-        Description { clock: Clock::Stepped, ..Description::default() }
+        Description { clock: TimeSource::Stepped, ..Description::default() }
     }
 
     fn status(&self) -> Status {
         Status::default()
     }
 
-    fn find(&mut self, name: &str) -> Result<Named, Fault> {
+    fn find(&mut self, name: &str) -> Result<Named, RequestFault> {
         let number = name.len() as u32;
         let (name, unit) = (name.to_owned(), String::new());
         Ok(Named { number, name, kind: SignalKind::Int, unit, labels: Vec::new(), writable: true })
     }
 
-    fn watch(&mut self, signal: u32) -> Result<(), Fault> {
+    fn watch(&mut self, signal: u32) -> Result<(), RequestFault> {
         *self.watched.entry(signal).or_default() += 1;
         Ok(())
     }
@@ -52,13 +54,13 @@ impl Rig for Willing {
         None
     }
 
-    fn plans(&self, _: Option<&str>) -> Result<Vec<String>, Fault> {
+    fn plans(&self, _: Option<&str>) -> Result<Vec<String>, RequestFault> {
         Ok(Vec::new())
     }
 
-    fn order(&mut self, ticket: Ticket, order: Order) -> Result<(), Fault> {
+    fn order(&mut self, ticket: Ticket, order: RigOrder) -> Result<(), RequestFault> {
         let answer = match order {
-            Order::Read(signal) => Answer::Value(Value::Int(signal.into())),
+            RigOrder::Read(signal) => Answer::Value(Value::Int(signal.into())),
             _ => Answer::Done,
         };
         self.answers.push((ticket, answer));
@@ -83,7 +85,8 @@ pub fn control(data: &[u8]) {
             Err(refused) => assert!(refused.fault.code.len() == 5 && !refused.fault.message.is_empty()),
         }
     }
-    let mut hub = Hub::new(Box::new(Willing::default()), Settings::of("unused".into()), Box::new(|_| {}));
+    let mut hub =
+        Hub::new(Box::new(Willing::default()), SocketSettings::of("unused".into()), Box::new(|_| {}));
     let Ok(client) = hub.connect(Peer::default(), Time::ZERO) else { panic!("there is room") };
     let (mut now, mut reported) = (Time::ZERO, Vec::new());
     let mut settle = |hub: &mut Hub| {

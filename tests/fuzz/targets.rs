@@ -18,7 +18,7 @@ use expert::{
 };
 use host::{COUNTER_RECORD, CounterEvent, CounterEventKind, HostInstant};
 use plans::frames::DataPattern;
-use plans::frames::can::Database;
+use plans::frames::can::DbcDatabase;
 use plans::lang::{Need, SignalAt};
 use plans::{Anchor, Literal};
 use profile::Profile;
@@ -27,8 +27,8 @@ use reports::text::Style;
 use runtime::standalone::{self, StandaloneRun};
 use runtime::suite::{self, FileSource};
 use signal::{
-    Address, Cause, Event, Kind, LoadLimits, Policy, Quantity, QuantityRange, SignalId, SignalInfo, Span,
-    Time, Trace, Value, When,
+    Address, Cause, Event, LoadLimits, Policy, Quantity, QuantityRange, SignalId, SignalInfo, Span, Time,
+    Trace, Value, ValueKind, When,
 };
 
 pub use lines_of_clients::control;
@@ -214,16 +214,16 @@ fn crc32(bytes: &[u8]) -> u32 {
 fn built(data: &[u8]) -> Trace {
     let mut trace = Trace::new();
     let signals = [
-        ("state", Kind::State),
-        ("button", Kind::Bool),
-        ("lamp", Kind::Bool),
-        ("step:start", Kind::Mark),
-        ("step:end", Kind::Mark),
-        ("step:press", Kind::Mark),
-        ("step:press.done", Kind::Mark),
-        ("temperature", Kind::Real),
-        ("count", Kind::Int),
-        ("bits", Kind::Word),
+        ("state", ValueKind::State),
+        ("button", ValueKind::Bool),
+        ("lamp", ValueKind::Bool),
+        ("step:start", ValueKind::Mark),
+        ("step:end", ValueKind::Mark),
+        ("step:press", ValueKind::Mark),
+        ("step:press.done", ValueKind::Mark),
+        ("temperature", ValueKind::Real),
+        ("count", ValueKind::Int),
+        ("bits", ValueKind::Word),
     ];
     for (place, (name, kind)) in signals.into_iter().enumerate() {
         let mut info = SignalInfo::exact(name, kind);
@@ -250,9 +250,9 @@ fn built(data: &[u8]) -> Trace {
             (2, _) => Value::Real(f64::NAN),
             (3, _) => Value::Word(u64::MAX),
             (4, _) => Value::Int(i64::MIN),
-            (_, Kind::Bool) => Value::Bool(number & 1 == 1),
-            (_, Kind::Real) => Value::Real(number as f64 / 3.0),
-            (_, Kind::Word) => Value::Word(number as u64),
+            (_, ValueKind::Bool) => Value::Bool(number & 1 == 1),
+            (_, ValueKind::Real) => Value::Real(number as f64 / 3.0),
+            (_, ValueKind::Word) => Value::Word(number as u64),
             _ => Value::Int(number),
         };
         let cause = match bytes[4] >> 5 {
@@ -313,7 +313,7 @@ pub fn frames(data: &[u8]) {
             assert!(pattern.matches(&exact));
         }
     }
-    let Ok(base) = Database::parse(&text) else { return };
+    let Ok(base) = DbcDatabase::parse(&text) else { return };
     for field in base.messages.values().flat_map(|message| &message.fields) {
         assert!(field.coding.bytes() <= plans::frames::MAX_DATA);
         let selected = field.selector.as_ref().is_none_or(|selector| selector.selects(bytes));

@@ -4,7 +4,7 @@ use std::os::fd::OwnedFd;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use host::{HostInstant, Realtime, Role};
+use host::{HostInstant, Realtime, ThreadRole};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use signal::Span;
 
@@ -75,7 +75,7 @@ impl AdcThread {
     /// The thread.
     pub(super) fn run(mut self, realtime: Realtime) {
         // A refusal is reported once for all threads, by whoever set up the run.
-        let _ = realtime.enter(Role::Devices);
+        let _ = realtime.enter(ThreadRole::Devices);
         while !self.sampler.reporter.is_stopped() {
             let until = self.turn();
             self.sampler.reporter.ring();

@@ -1,11 +1,11 @@
 //! From what a converter measures to the quantity of a channel.
 
-use signal::{Gap, Value};
+use signal::{SignalGap, Value};
 
 use super::{Accuracy, AdcReading, InRange, Noise, Resolution};
 
 /// What a channel shows: a quantity with how far the truth may lie from it, or why there is none.
-pub type Shown = Result<Value, Gap>;
+pub type Shown = Result<Value, SignalGap>;
 
 /// A point of a calibration: what was shown, and what it really was, in the unit of the channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,19 +59,19 @@ impl Scale {
     /// Why it is not known.
     pub fn quantity(&self, reading: &AdcReading, resolution: Resolution, noise: Option<Noise>) -> Shown {
         if self.open_below.is_some_and(|least| reading.value < least) {
-            return Err(Gap::OpenWire);
+            return Err(SignalGap::OpenWire);
         }
         if self.short_above.is_some_and(|most| reading.value > most) {
-            return Err(Gap::Failed);
+            return Err(SignalGap::Failed);
         }
         let quantity = self.shown(reading.value);
         match reading.range {
-            InRange::Below => Err(Gap::Below),
+            InRange::Below => Err(SignalGap::Below),
             // A scale that leads beyond all numbers is one that shows more than can be reported.
             InRange::Yes if quantity.is_finite() => {
                 Ok(Value::measured(quantity, self.uncertainty(reading.value, quantity, resolution, noise)))
             }
-            InRange::Above | InRange::Yes => Err(Gap::Above),
+            InRange::Above | InRange::Yes => Err(SignalGap::Above),
         }
     }
 
@@ -177,7 +177,7 @@ mod tests {
         assert_eq!(shown(1.0), Ok(Value::Real(0.0)));
         assert_eq!(shown(5.0), Ok(Value::Real(16.0)));
         assert_eq!(shown(0.9), Ok(Value::Real(-0.3999999999999999)));
-        assert_eq!((shown(0.899), shown(5.26)), (Err(Gap::OpenWire), Err(Gap::Failed)));
+        assert_eq!((shown(0.899), shown(5.26)), (Err(SignalGap::OpenWire), Err(SignalGap::Failed)));
     }
 
     #[test]
@@ -185,7 +185,7 @@ mod tests {
         let at_end = |range| shown(&Scale::default(), &AdcReading { range, ..reading(3.3) });
         assert_eq!(
             [at_end(InRange::Yes), at_end(InRange::Above), at_end(InRange::Below)],
-            [Ok(Value::Real(3.3)), Err(Gap::Above), Err(Gap::Below)]
+            [Ok(Value::Real(3.3)), Err(SignalGap::Above), Err(SignalGap::Below)]
         );
     }
 
@@ -249,7 +249,7 @@ mod tests {
         assert!(!coarse.differs(one, now(1.25, 0.2)) && coarse.differs(one, now(1.25, 0.3)));
         assert!(!coarse.differs(now(1.25, 0.3), one), "what is known better need not be told");
         for scale in [every, coarse] {
-            let (open, above) = (Err(Gap::OpenWire), Err(Gap::Above));
+            let (open, above) = (Err(SignalGap::OpenWire), Err(SignalGap::Above));
             assert!(scale.differs(one, open) && scale.differs(open, one) && scale.differs(open, above));
             assert!(!scale.differs(open, open));
         }

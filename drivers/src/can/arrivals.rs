@@ -3,7 +3,7 @@
 //! On several processors the kernel can hand frames over in another order: each processor has a queue of its own for what
 //! its interrupts bring. Its stamps give the order.
 
-use host::Received;
+use host::ReceivedDatagram;
 
 use super::wire::FD;
 
@@ -14,7 +14,7 @@ pub(super) const BATCH: usize = 256;
 const ASTRAY: i64 = 10_000_000;
 
 /// A datagram and what the kernel says of it.
-pub(super) type Arrival = ([u8; FD], Received);
+pub(super) type Arrival = ([u8; FD], ReceivedDatagram);
 
 /// What came. Takes no memory beyond that of its beginning.
 #[derive(Debug)]
@@ -62,7 +62,8 @@ mod tests {
     fn order(walls: &[Option<i64>]) -> (Vec<u8>, Vec<u32>) {
         let mut arrivals = Arrivals::new();
         for (n, wall) in (0..).zip(walls) {
-            let received = Received { wall: *wall, dropped: u32::from(n), ..Received::default() };
+            let received =
+                ReceivedDatagram { wall: *wall, dropped: u32::from(n), ..ReceivedDatagram::default() };
             arrivals.put(([n; FD], received));
         }
         let all: Vec<Arrival> = (0..).map_while(|at| arrivals.get(at)).collect();

@@ -4,7 +4,7 @@ use signal::{CanFrame, Span};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use host::{Bracket, Errno, HostInstant, Realtime, Received, Role};
+use host::{Bracket, Errno, HostInstant, Realtime, ReceivedDatagram, ThreadRole};
 use rtrb::Consumer;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
@@ -89,7 +89,7 @@ impl CanThread {
     /// The thread.
     pub(super) fn run(mut self, realtime: Realtime) {
         // A refusal is reported once for all threads, by whoever set up the run.
-        let _ = realtime.enter(Role::Devices);
+        let _ = realtime.enter(ThreadRole::Devices);
         loop {
             // What is asked before the stop is seen after it.
             let stop = self.reporter.is_stopped();
@@ -256,7 +256,7 @@ impl CanThread {
     }
 
     /// One datagram.
-    fn take(&mut self, bytes: &[u8; FD], received: Received, clocks: Bracket) {
+    fn take(&mut self, bytes: &[u8; FD], received: ReceivedDatagram, clocks: Bracket) {
         let now = HostInstant::now();
         let (mut earliest, mut latest) = (now, now);
         if let Some(wall) = received.wall {

@@ -4,7 +4,7 @@ use std::fmt;
 use std::io;
 use std::os::fd::{AsFd, BorrowedFd};
 
-use host::Received;
+use host::ReceivedDatagram;
 use rustix::io::Errno;
 use rustix::net::sockopt;
 use rustix::net::{SendFlags, send};
@@ -24,7 +24,7 @@ pub trait CanPort: Send + fmt::Debug {
     ///
     /// # Errors
     /// EAGAIN where there is none; ENETDOWN, ENODEV where the interface went down or away.
-    fn receive(&mut self, into: &mut [u8; FD]) -> Result<Received, Errno>;
+    fn receive(&mut self, into: &mut [u8; FD]) -> Result<ReceivedDatagram, Errno>;
 
     /// Hands a frame to the kernel.
     ///
@@ -96,7 +96,7 @@ impl AsFd for KernelPort {
 }
 
 impl CanPort for KernelPort {
-    fn receive(&mut self, into: &mut [u8; FD]) -> Result<Received, Errno> {
+    fn receive(&mut self, into: &mut [u8; FD]) -> Result<ReceivedDatagram, Errno> {
         host::receive(self, into)
     }
 

@@ -5,7 +5,7 @@ use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
-use host::{Bell, Errno, Realtime, Received, TimeBase};
+use host::{Bell, Errno, Realtime, ReceivedDatagram, TimeBase};
 use rustix::event::{EventfdFlags, eventfd};
 use signal::{CanFrame, Span};
 
@@ -24,7 +24,7 @@ const PATIENCE: Duration = Duration::from_secs(20);
 #[derive(Debug, Default)]
 struct Script {
     /// Datagrams to be received.
-    arrive: VecDeque<(Vec<u8>, Received)>,
+    arrive: VecDeque<(Vec<u8>, ReceivedDatagram)>,
     /// Answers to calls that send; OK where there is none.
     answers: VecDeque<Errno>,
     /// Calls that send hang.
@@ -39,10 +39,10 @@ struct Scripted {
 }
 
 impl CanPort for Scripted {
-    fn receive(&mut self, into: &mut [u8; FD]) -> Result<Received, Errno> {
+    fn receive(&mut self, into: &mut [u8; FD]) -> Result<ReceivedDatagram, Errno> {
         let (bytes, received) = self.script.0.lock().unwrap().arrive.pop_front().ok_or(Errno::AGAIN)?;
         into[..bytes.len()].copy_from_slice(&bytes);
-        Ok(Received { len: bytes.len(), ..received })
+        Ok(ReceivedDatagram { len: bytes.len(), ..received })
     }
 
     fn send(&mut self, bytes: &[u8]) -> Result<(), Errno> {
@@ -153,7 +153,7 @@ impl Bench {
         self.script.1.notify_all();
     }
 
-    fn arrives(&self, bytes: &[u8], received: Received) {
+    fn arrives(&self, bytes: &[u8], received: ReceivedDatagram) {
         self.change(|script| script.arrive.push_back((bytes.to_vec(), received)));
         self.node.shared.ask();
     }
@@ -238,10 +238,10 @@ fn the_board_fills_its_queue_while_a_call_hangs_and_waits_for_nothing() {
 #[test]
 fn frames_that_were_lost_on_their_way_are_counted() {
     let mut bench = Bench::new(Span::from_secs(60));
-    bench.arrives(&bytes(1), Received { dropped: 0, ..Received::default() });
-    bench.arrives(&bytes(2), Received { dropped: 5, ..Received::default() });
+    bench.arrives(&bytes(1), ReceivedDatagram { dropped: 0, ..ReceivedDatagram::default() });
+    bench.arrives(&bytes(2), ReceivedDatagram { dropped: 5, ..ReceivedDatagram::default() });
     // Nothing that a kernel writes.
-    bench.arrives(&[0; 7], Received { dropped: 5, ..Received::default() });
+    bench.arrives(&[0; 7], ReceivedDatagram { dropped: 5, ..ReceivedDatagram::default() });
     let frames = |bench: &Bench| {
         bench.events.iter().filter(|event| matches!(event, BusEvent::CanFrame { .. })).count()
     };
@@ -255,7 +255,9 @@ fn frames_come_in_the_order_of_their_stamps() {
     let mut bench = Bench::new(Span::from_secs(60));
     bench.change(|script| {
         for (id, wall) in [(1, 1_000_000), (3, 3_000_000), (2, 2_000_000), (4, 4_000_000)] {
-            script.arrive.push_back((bytes(id), Received { wall: Some(wall), ..Received::default() }));
+            script
+                .arrive
+                .push_back((bytes(id), ReceivedDatagram { wall: Some(wall), ..ReceivedDatagram::default() }));
         }
     });
     bench.node.shared.ask();
@@ -274,7 +276,7 @@ fn frames_come_in_the_order_of_their_stamps() {
 fn a_run_begins_whatever_was_left_unread_before() {
     let mut bench = Bench::new(Span::from_secs(60));
     bench.change(|script| {
-        script.arrive.extend((0..20_000).map(|id| (bytes(id % 0x700), Received::default())));
+        script.arrive.extend((0..20_000).map(|id| (bytes(id % 0x700), ReceivedDatagram::default())));
     });
     bench.node.shared.ask();
     let due = Instant::now() + PATIENCE;
@@ -284,7 +286,7 @@ fn a_run_begins_whatever_was_left_unread_before() {
     }
     bench.start();
     bench.change(|script| script.arrive.clear());
-    bench.arrives(&bytes(0x7FF), Received { own: true, ..Received::default() });
+    bench.arrives(&bytes(0x7FF), ReceivedDatagram { own: true, ..ReceivedDatagram::default() });
     bench.until("the frame of the run", |bench| {
         bench.reported(
             |event| matches!(event, BusEvent::CanFrame { frame, own: true, .. } if frame.id == 0x7FF),
@@ -301,7 +303,7 @@ fn a_frame_that_waits_for_the_bus_for_too_long_is_told_once() {
     bench.send(1).unwrap();
     let late = |event: &BusEvent| matches!(event, BusEvent::Error { error: BusError::SendTimeout, .. });
     bench.until("the error", |bench| bench.reported(late));
-    bench.arrives(&bytes(1), Received { own: true, ..Received::default() });
+    bench.arrives(&bytes(1), ReceivedDatagram { own: true, ..ReceivedDatagram::default() });
     bench.until("the own frame", |bench| {
         bench.reported(|event| matches!(event, BusEvent::CanFrame { own: true, .. }))
     });
@@ -318,7 +320,7 @@ fn a_run_is_told_of_frames_of_the_one_before_that_still_wait_for_the_bus() {
     // Nothing is sent in this run, which could not tell the frame from its own.
     let late = |event: &BusEvent| matches!(event, BusEvent::Error { error: BusError::SendTimeout, .. });
     bench.until("the error", |bench| bench.reported(late));
-    bench.arrives(&bytes(1), Received { own: true, ..Received::default() });
+    bench.arrives(&bytes(1), ReceivedDatagram { own: true, ..ReceivedDatagram::default() });
     bench.until("the frame on the bus", |bench| {
         bench.reported(|event| matches!(event, BusEvent::CanFrame { own: true, .. }))
     });

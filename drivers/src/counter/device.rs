@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use host::{Bell, CounterEvent, HostInstant, Realtime, Role};
+use host::{Bell, CounterEvent, HostInstant, Realtime, ThreadRole};
 use signal::Span;
 
 use super::{CountStep, Counter, Follower};
@@ -45,7 +45,7 @@ impl CounterThread {
     /// The thread.
     pub(super) fn run(mut self, realtime: Realtime) {
         // A refusal is reported once for all threads, by whoever set up the run.
-        let _ = realtime.enter(Role::Devices);
+        let _ = realtime.enter(ThreadRole::Devices);
         while !self.sampler.reporter.is_stopped() {
             let until = self.turn();
             self.sampler.reporter.ring();

@@ -4,7 +4,7 @@ use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use host::{AtomicInstant, Bell, HostInstant, Realtime, Role};
+use host::{AtomicInstant, Bell, HostInstant, Realtime, ThreadRole};
 use rtrb::Consumer;
 use signal::Span;
 
@@ -88,7 +88,7 @@ impl GeneratorThread {
     /// The thread.
     pub(super) fn run(mut self, realtime: Realtime) {
         // A refusal is reported once for all threads, by whoever set up the run.
-        let _ = realtime.enter(Role::Devices);
+        let _ = realtime.enter(ThreadRole::Devices);
         loop {
             // What is asked before the stop is seen after it.
             let stop = self.reporter.is_stopped();

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use host::{Bell, HostInstant, Realtime, Role};
+use host::{Bell, HostInstant, Realtime, ThreadRole};
 use rtrb::{Consumer, Producer};
 use rustix::event::{PollFd, PollFlags, poll};
 use signal::Span;
@@ -68,7 +68,7 @@ impl ChipThread {
     /// The thread.
     pub(super) fn run(mut self, realtime: Realtime) {
         // A refusal is reported once for all threads, by whoever set up the run.
-        let _ = realtime.enter(Role::Devices);
+        let _ = realtime.enter(ThreadRole::Devices);
         loop {
             // What is asked before the stop is seen after it.
             let stop = self.shared.stopped();

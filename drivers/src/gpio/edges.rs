@@ -4,7 +4,7 @@ use std::os::fd::OwnedFd;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use host::{Bell, HostInstant, Realtime, Role};
+use host::{Bell, HostInstant, Realtime, ThreadRole};
 use rtrb::{Consumer, Producer};
 use rustix::event::{PollFd, PollFlags, poll};
 use rustix::io::Errno;
@@ -49,7 +49,7 @@ pub(super) struct Edges {
 impl Edges {
     /// The thread.
     pub(super) fn run(mut self, realtime: Realtime) {
-        let _ = realtime.enter(Role::Edges);
+        let _ = realtime.enter(ThreadRole::Edges);
         let port = self.port.clone();
         let end = self.end.clone();
         let mut waits: Vec<PollFd<'_>> =

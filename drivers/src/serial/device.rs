@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::task::Poll;
 
-use host::{AtomicInstant, HostInstant, Realtime, Role};
+use host::{AtomicInstant, HostInstant, Realtime, ThreadRole};
 use rtrb::Consumer;
 use signal::{MAX_SERIAL_DATA, SerialMessage, SerialOutput, SerialSettings, Span};
 use tokio::runtime::Runtime;
@@ -171,7 +171,7 @@ impl SerialThread {
         while let Some(mut port) = held.take() {
             // A refusal is reported once for all threads, by whoever set up the run. Looking for a port that is away reads
             // many files, and can wait for everybody else.
-            let entered = self.realtime.enter_for_now(Role::Devices);
+            let entered = self.realtime.enter_for_now(ThreadRole::Devices);
             let over = self.hold(&mut port, &mut received).await;
             drop(entered);
             let Over::Gone(error) = over else { return };

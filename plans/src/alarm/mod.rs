@@ -13,11 +13,11 @@ mod watch;
 use std::sync::Arc;
 
 use document::Diagnostic;
-use record::Origin;
+use record::ClaimOrigin;
 use signal::{SignalInfo, Span};
 
 use crate::expect::GlobalCheck;
-use crate::expect::{Claim, Expectation, FilePlace, condition::ValueCondition, known, meant};
+use crate::expect::{Expectation, FilePlace, TraceClaim, condition::ValueCondition, known, meant};
 use crate::lang::{Anchor, Literal};
 use crate::meaning::exact;
 use crate::monitor::{CaseTimeline, Monitor, NotJudged, Number, TraceSignals, UncertainWindow, blind, slack};
@@ -57,7 +57,7 @@ pub struct Alarm {
     /// Where it stands.
     pub place: FilePlace,
     /// Which kind of file that is.
-    pub origin: Origin,
+    pub origin: ClaimOrigin,
 }
 
 impl Alarm {
@@ -106,14 +106,14 @@ impl Alarm {
         let expectation = Expectation {
             name: self.name.clone(),
             verb: VERB,
-            claim: Arc::clone(self) as Arc<dyn Claim>,
+            claim: Arc::clone(self) as Arc<dyn TraceClaim>,
             place: Some(self.place.clone()),
         };
         GlobalCheck { expectation, origin: self.origin }
     }
 }
 
-impl Claim for Alarm {
+impl TraceClaim for Alarm {
     fn expected(&self) -> String {
         let lasts = match self.delay {
             Span::ZERO => String::new(),

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use document::{Fields, KeySpec, KeyType};
-use signal::{Kind, SignalInfo};
+use signal::{SignalInfo, ValueKind};
 
 use super::ReadContext;
 use super::condition::ValueCondition;
@@ -35,7 +35,7 @@ impl fmt::Display for FigureBand {
 
 /// What is called a number of this unit, without a signal that has it.
 pub(crate) fn figure(name: &str, unit: &str) -> SignalInfo {
-    let mut info = SignalInfo::exact(name, Kind::Real);
+    let mut info = SignalInfo::exact(name, ValueKind::Real);
     info.unit = unit.to_owned();
     info
 }

@@ -12,7 +12,7 @@ use document::Fields;
 use super::common::{FROM, SIGNAL, signal};
 use super::condition::{IS, MAX, MIN, ONE_OF, ValueCondition};
 use super::first_edge::{FirstEdgeKind, WITHIN, read_delay};
-use super::{Claim, ExpectVerb, ReadContext};
+use super::{ExpectVerb, ReadContext, TraceClaim};
 
 /// `becomes`.
 pub(super) const BECOMES: ExpectVerb = ExpectVerb {
@@ -22,7 +22,7 @@ pub(super) const BECOMES: ExpectVerb = ExpectVerb {
     read,
 };
 
-fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
     let signal = signal(fields, "signal", cx);
     let condition = ValueCondition::read(fields, None, cx)?;
     read_delay(fields, signal, FirstEdgeKind::Becomes(condition), cx)

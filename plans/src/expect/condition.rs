@@ -3,7 +3,7 @@
 use std::fmt;
 
 use document::{Fields, KeySpec, KeyType, Node};
-use signal::{Kind, QuantityRange, SignalInfo, is_range};
+use signal::{QuantityRange, SignalInfo, ValueKind, is_range};
 
 use super::ReadContext;
 use super::common::bad_range;
@@ -118,7 +118,7 @@ impl ValueCondition {
             ValueCondition::OneOf(list) => {
                 if let [one] = list.as_slice()
                     && is_high_z(one)
-                    && info.kind != Kind::State
+                    && info.kind != ValueKind::State
                 {
                     return Ok(ValueTest::HighZ);
                 }
@@ -191,7 +191,7 @@ mod tests {
 
     #[test]
     fn labels_are_those_of_the_state() {
-        let mut info = SignalInfo::exact("state", Kind::State);
+        let mut info = SignalInfo::exact("state", ValueKind::State);
         info.labels = vec![(2, "RUNNING".into()), (4, "HALT".into())];
         assert_eq!(ValueCondition::label("halt").bind(&info), Ok(ValueTest::OneOf(vec![Number::Int(4)])));
         assert!(ValueCondition::label("RUNING").bind(&info).unwrap_err().contains("did you mean `RUNNING`"));

@@ -12,11 +12,11 @@ use record::Figure;
 use signal::{SignalInfo, Value};
 
 use super::common::{FROM, LONGER, PlanWindow, SIGNAL, UNTIL, blind_words, count_range, counts, signal};
-use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
+use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::codes;
 use crate::lang::Anchor;
 use crate::monitor::count::{CountResult, EdgeCounter};
-use crate::monitor::edges::{Edge, EdgeFinder};
+use crate::monitor::edges::{CountedEdge, EdgeFinder};
 use crate::monitor::{
     CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow, blind, slack,
 };
@@ -50,7 +50,7 @@ struct EdgesClaim {
     entries: bool,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
     let signal = signal(fields, "signal", cx);
     let between = PlanWindow::read(fields, cx);
     let mut range = |key| match fields.get(key) {
@@ -82,7 +82,7 @@ pub(super) fn read_none(
     fields: &Fields<'_>,
     signal: Option<String>,
     cx: &mut ReadContext<'_>,
-) -> Option<Arc<dyn Claim>> {
+) -> Option<Arc<dyn TraceClaim>> {
     let between = PlanWindow::read(fields, cx)?;
     let rising = Some((0, 0));
     let claim =
@@ -90,7 +90,7 @@ pub(super) fn read_none(
     Some(Arc::new(claim))
 }
 
-impl Claim for EdgesClaim {
+impl TraceClaim for EdgesClaim {
     fn expected(&self) -> String {
         if self.entries {
             return format!("no `{}` is added{}", self.signal, self.between.words());
@@ -131,8 +131,8 @@ impl Claim for EdgesClaim {
         Ok(Box::new(EdgesMonitor {
             claim: self.clone(),
             window,
-            rises: finder(Edge::Rises),
-            falls: finder(Edge::Falls),
+            rises: finder(CountedEdge::Rises),
+            falls: finder(CountedEdge::Falls),
             counter: EdgeCounter::new(window),
             missed: blind(info, self.longer_than).map(|span| blind_words(info, span)),
             info: info.clone(),

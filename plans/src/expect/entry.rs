@@ -12,7 +12,7 @@ use document::{Data, Entry, Fields, KeySpec, KeyType, Node, Table};
 
 use super::common::{FROM, UNTIL};
 use super::first_edge::{FirstEdgeKind, WITHIN, read_delay};
-use super::{Claim, ExpectVerb, ReadContext, edges};
+use super::{ExpectVerb, ReadContext, TraceClaim, edges};
 use crate::codes;
 
 /// `log`.
@@ -38,7 +38,7 @@ pub(super) const LOG: ExpectVerb = ExpectVerb {
     read,
 };
 
-fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
     let (key, other) = match (fields.has("contains"), fields.has("never")) {
         (true, false) => ("contains", "until"),
         (false, true) => ("never", "within"),

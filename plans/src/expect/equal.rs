@@ -14,7 +14,7 @@ use signal::{SignalInfo, Value};
 use super::common::{WHEN, anchor};
 use super::condition::literal;
 use super::value::{instant, observed, unknown};
-use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
+use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::lang::{Anchor, Literal};
 use crate::meaning::number;
 use crate::monitor::reading::{Candidate, ValueReader};
@@ -51,7 +51,7 @@ struct EqualClaim {
     tolerance: Option<Literal>,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
     let when = anchor(fields, "when", Anchor::END, cx)?;
     let (signal, at) = cx.names.at_value(fields.get("left")?, cx.out)?;
     let left = EqualOperand { signal, at: at.unwrap_or_else(|| when.clone()) };
@@ -65,7 +65,7 @@ pub(super) fn read_pair(
     key: &str,
     when: Anchor,
     cx: &mut ReadContext<'_>,
-) -> Option<Arc<dyn Claim>> {
+) -> Option<Arc<dyn TraceClaim>> {
     let node = fields.get(key)?;
     let (signal, at) = cx.names.at_value(node, cx.out)?;
     let right = EqualOperand { signal, at: at.unwrap_or(when) };
@@ -95,7 +95,7 @@ impl EqualClaim {
     }
 }
 
-impl Claim for EqualClaim {
+impl TraceClaim for EqualClaim {
     fn expected(&self) -> String {
         let left = format!("`{}` at {}", self.left.signal, self.left.at);
         let right = format!("`{}` at {}", self.right.signal, self.right.at);

@@ -16,9 +16,9 @@ use super::common::{
     FROM, SIGNAL, SingleSpan, SpanLimits, anchor, delay_words, signal, span_range, spans, width,
 };
 use super::condition::ValueCondition;
-use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
+use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::lang::Anchor;
-use crate::monitor::edges::{Delay, Edge, EdgeFinder, FirstEdge, FoundEdge, LAST};
+use crate::monitor::edges::{CountedEdge, Delay, EdgeFinder, FirstEdge, FoundEdge, LAST};
 use crate::monitor::{
     CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainInstant, slack,
 };
@@ -66,12 +66,12 @@ pub(super) enum FirstEdgeKind {
 }
 
 impl FirstEdgeKind {
-    fn bind(&self, info: &SignalInfo) -> Result<Edge, String> {
+    fn bind(&self, info: &SignalInfo) -> Result<CountedEdge, String> {
         Ok(match self {
-            FirstEdgeKind::Rises | FirstEdgeKind::Added => Edge::Rises,
-            FirstEdgeKind::Falls => Edge::Falls,
-            FirstEdgeKind::Changes => Edge::Changes,
-            FirstEdgeKind::Becomes(condition) => Edge::Becomes(condition.bind(info)?),
+            FirstEdgeKind::Rises | FirstEdgeKind::Added => CountedEdge::Rises,
+            FirstEdgeKind::Falls => CountedEdge::Falls,
+            FirstEdgeKind::Changes => CountedEdge::Changes,
+            FirstEdgeKind::Becomes(condition) => CountedEdge::Becomes(condition.bind(info)?),
         })
     }
 
@@ -123,7 +123,7 @@ pub(super) struct FirstEdgeClaim {
     pub(super) within: Option<SpanLimits>,
 }
 
-fn read(fields: &Fields<'_>, kind: FirstEdgeKind, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, kind: FirstEdgeKind, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
     let signal = signal(fields, "signal", cx);
     read_delay(fields, signal, kind, cx)
 }
@@ -134,7 +134,7 @@ pub(super) fn read_delay(
     signal: Option<String>,
     kind: FirstEdgeKind,
     cx: &mut ReadContext<'_>,
-) -> Option<Arc<dyn Claim>> {
+) -> Option<Arc<dyn TraceClaim>> {
     let from = anchor(fields, "from", Anchor::START, cx);
     let within = match fields.get("within") {
         Some(node) => Some(spans(node, "within", SingleSpan::Most, cx)?),
@@ -144,7 +144,7 @@ pub(super) fn read_delay(
     Some(Arc::new(FirstEdgeClaim { signal: signal?, kind, from: from?, within }))
 }
 
-impl Claim for FirstEdgeClaim {
+impl TraceClaim for FirstEdgeClaim {
     fn expected(&self) -> String {
         let (signal, what) = (&self.signal, self.kind.present());
         match self.within {

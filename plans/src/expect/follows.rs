@@ -12,11 +12,11 @@ use std::sync::Arc;
 
 use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
-use signal::{Kind, SignalInfo, Span, Value};
+use signal::{SignalInfo, Span, Value, ValueKind};
 
 use super::common::{FROM, PlanWindow, SIGNAL, UNTIL, blind_words, signal};
 use super::condition::{ValueCondition, literal};
-use super::{Claim, ClaimDemand, ExpectVerb, ReadContext, keeps};
+use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim, keeps};
 use crate::codes;
 use crate::lang::{Anchor, Literal};
 use crate::meaning::number;
@@ -57,7 +57,7 @@ struct Follows {
     within: Option<Span>,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
     let (signal, leader) = (signal(fields, "signal", cx), signal(fields, "leader", cx));
     let between = PlanWindow::read(fields, cx);
     let tolerance = match fields.get("tolerance") {
@@ -94,7 +94,7 @@ impl Follows {
     }
 }
 
-impl Claim for Follows {
+impl TraceClaim for Follows {
     fn expected(&self) -> String {
         let how = match &self.tolerance {
             Some(tolerance) => format!(" within {tolerance}"),
@@ -137,7 +137,7 @@ impl Claim for Follows {
             .into_iter()
             .find_map(|info| blind(info, self.within).map(|span| blind_words(info, span)));
         // The distance as a signal of its own, which must never be too large.
-        let mut distance = SignalInfo::exact("distance", Kind::State);
+        let mut distance = SignalInfo::exact("distance", ValueKind::State);
         distance.labels = vec![(0, String::from("close")), (1, self.apart())];
         let claim = keeps::Keeps {
             signals: vec![distance.name.clone()],

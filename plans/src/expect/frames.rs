@@ -10,16 +10,16 @@ use std::sync::Arc;
 
 use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
-use signal::{Kind, SignalInfo, Span};
+use signal::{SignalInfo, Span, ValueKind};
 
 use super::common::{
     FROM, PlanWindow, SingleSpan, SpanLimits, UNTIL, count_range, counts, signal, span_range, spans, width,
 };
-use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
+use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::codes;
 use crate::lang::Anchor;
 use crate::monitor::count::EdgeCounter;
-use crate::monitor::edges::{Edge, EdgeFinder};
+use crate::monitor::edges::{CountedEdge, EdgeFinder};
 use crate::monitor::gaps::{GapResult, Gaps};
 use crate::monitor::pulses::FigureChain;
 use crate::monitor::{
@@ -59,7 +59,7 @@ struct FramesClaim {
     between: PlanWindow,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
     let signal = signal(fields, "frame", cx);
     let between = PlanWindow::read(fields, cx);
     let count = match fields.get("count") {
@@ -90,7 +90,7 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>>
     Some(Arc::new(FramesClaim { signal: signal?, count, cycle, gap, between: between? }))
 }
 
-impl Claim for FramesClaim {
+impl TraceClaim for FramesClaim {
     fn expected(&self) -> String {
         let mut parts = Vec::new();
         if let Some(count) = self.count {
@@ -121,7 +121,7 @@ impl Claim for FramesClaim {
 
     fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         let Some(info) = super::known(&self.signal, wiring, out) else { return };
-        let counts = matches!(info.kind, Kind::Int | Kind::Word);
+        let counts = matches!(info.kind, ValueKind::Int | ValueKind::Word);
         let why = || format!("`{}` does not count anything: name frames without `signal`", info.name);
         super::meant(if counts { Ok(()) } else { Err(why()) }, out);
     }
@@ -136,7 +136,7 @@ impl Claim for FramesClaim {
         let info = scene.signal(&self.signal)?;
         let window = scene.window(&self.between.from, &self.between.until)?;
         Ok(Box::new(FramesMonitor {
-            finder: EdgeFinder::new(Edge::Rises, slack(info)),
+            finder: EdgeFinder::new(CountedEdge::Rises, slack(info)),
             counter: EdgeCounter::new(window),
             chain: self.cycle.map(|cycle| FigureChain::new(window, cycle)),
             gaps: self.gap.map(|gap| Gaps::new(window, gap)),

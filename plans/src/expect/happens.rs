@@ -13,7 +13,7 @@ use signal::Span;
 
 use super::common::{FROM, SingleSpan, SpanLimits, anchor, delay_words, span_range, spans, width};
 use super::first_edge::WITHIN;
-use super::{Claim, ExpectVerb, Expectation, FilePlace, ReadContext};
+use super::{ExpectVerb, Expectation, FilePlace, ReadContext, TraceClaim};
 use crate::lang::{Anchor, AnchorBase};
 use crate::monitor::edges::{FirstEdge, FoundEdge};
 use crate::monitor::{CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainInstant};
@@ -36,7 +36,7 @@ struct HappensClaim {
     wait: Option<Span>,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
     let node = fields.get("step")?;
     let step = cx.names.anchor(node, cx.out)?;
     if !matches!(step.base, AnchorBase::Step(_)) || step.offset != Span::ZERO {
@@ -69,7 +69,7 @@ impl HappensClaim {
     }
 }
 
-impl Claim for HappensClaim {
+impl TraceClaim for HappensClaim {
     fn expected(&self) -> String {
         let id = self.id();
         match (&self.from, self.within, self.wait) {

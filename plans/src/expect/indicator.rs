@@ -12,7 +12,7 @@ use document::{Data, Fields, KeySpec, KeyType, Node};
 
 use super::common::{FROM, UNTIL, WHEN};
 use super::first_edge::WITHIN;
-use super::{Claim, ExpectVerb, ReadContext, state};
+use super::{ExpectVerb, ReadContext, TraceClaim, state};
 
 /// The indicators, as the signals `LED.PWR` and so on name them.
 const NAMES: &[&str] = &["PWR", "RUN", "ERR", "IO", "TM4"];
@@ -37,7 +37,7 @@ pub(super) const LED: ExpectVerb = ExpectVerb {
     read,
 };
 
-fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
     let node = fields.get("name")?;
     let name = format!("LED.{}", node.as_text()?);
     let signal = cx.names.signal(&Node { data: Data::Text(name), content: None, ..node.clone() }, cx.out)?;

@@ -16,10 +16,10 @@ use signal::{SignalInfo, Span};
 use super::band::{FigureBand, IS_RANGE, shown};
 use super::common::{FROM, LONGER, PlanWindow, SIGNAL, UNTIL, blind_words, count_range, delay_words, signal};
 use super::condition::{MAX, MIN};
-use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
+use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::codes;
 use crate::lang::{Anchor, millihertz};
-use crate::monitor::edges::Edge;
+use crate::monitor::edges::CountedEdge;
 use crate::monitor::jitter::{Grid, Jitter, JitterQuery, JitterReference, JitterResult};
 use crate::monitor::{
     CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow, blind, slack,
@@ -71,13 +71,13 @@ pub(super) const JITTER: ExpectVerb = ExpectVerb {
 struct JitterClaim {
     signal: String,
     asked: JitterQuery,
-    edge: Edge,
+    edge: CountedEdge,
     band: FigureBand,
     between: PlanWindow,
     longer_than: Option<Span>,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
     let signal = signal(fields, "signal", cx);
     let between = PlanWindow::read(fields, cx);
     let asked = asked(fields, cx);
@@ -93,9 +93,9 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>>
         return None;
     }
     let edge = match fields.text("edge") {
-        Some("falls") => Edge::Falls,
-        Some("changes") => Edge::Changes,
-        _ => Edge::Rises,
+        Some("falls") => CountedEdge::Falls,
+        Some("changes") => CountedEdge::Changes,
+        _ => CountedEdge::Rises,
     };
     let longer_than = fields.duration("pulses-longer-than");
     Some(Arc::new(JitterClaim { signal: signal?, asked: asked?, edge, band, between: between?, longer_than }))
@@ -153,7 +153,7 @@ impl fmt::Display for JitterQuery {
     }
 }
 
-impl Claim for JitterClaim {
+impl TraceClaim for JitterClaim {
     fn expected(&self) -> String {
         format!("the {} of `{}` is {}{}", self.asked, self.signal, self.band, self.between.words())
     }

@@ -14,7 +14,7 @@ use signal::{SignalInfo, Span, Value};
 
 use super::common::{FROM, LONGER, PlanWindow, SIGNAL, UNTIL, blind_words, signal, span_range, width};
 use super::condition::{IS, MAX, MIN, ONE_OF, ValueCondition};
-use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
+use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::codes;
 use crate::lang::Anchor;
 use crate::monitor::segments::{Breach, SegmentJudgement, SegmentResult, Weight};
@@ -81,14 +81,14 @@ pub(super) fn read_window(
     signal: Option<String>,
     condition: Option<ValueCondition>,
     cx: &mut ReadContext<'_>,
-) -> Option<Arc<dyn Claim>> {
+) -> Option<Arc<dyn TraceClaim>> {
     let between = PlanWindow::read(fields, cx);
     let longer_than = fields.duration("pulses-longer-than");
     let signals = vec![signal?];
     Some(Arc::new(Keeps { signals, condition: condition?, forbidden: false, between: between?, longer_than }))
 }
 
-fn read_never(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+fn read_never(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
     let condition = ValueCondition::read(fields, Some(ValueCondition::is_true()), cx);
     let given: Vec<&str> = ["signal", "all", "any-two"].into_iter().filter(|key| fields.has(key)).collect();
     let signals = match given.as_slice() {
@@ -149,7 +149,7 @@ impl Keeps {
     ) -> Result<Box<dyn Monitor>, NotJudged> {
         let segments = SegmentJudgement::new(scene.window(&self.between.from, &self.between.until)?);
         let test = self.test(info).map_err(NotJudged::NoMeaning)?;
-        let watched = vec![Watched { test, slack: slack(info), info: info.clone() }];
+        let watched = vec![KeptSignal { test, slack: slack(info), info: info.clone() }];
         let open = scene.is_open(&self.between.until);
         let common = Common { claim: self.clone(), watched, segments, missed: None, open, end: scene.end() };
         Ok(Box::new(SingleSignalMonitor { common, last: None, extreme: None, run: None }))
@@ -161,7 +161,7 @@ impl Keeps {
     }
 }
 
-impl Claim for Keeps {
+impl TraceClaim for Keeps {
     fn expected(&self) -> String {
         let (subject, window) = (self.subject(), self.between.words());
         let longer = match self.longer_than {
@@ -204,7 +204,7 @@ impl Claim for Keeps {
         for name in &self.signals {
             let info = scene.signal(name)?;
             let test = self.test(info).map_err(NotJudged::NoMeaning)?;
-            watched.push(Watched { test, slack: slack(info), info: info.clone() });
+            watched.push(KeptSignal { test, slack: slack(info), info: info.clone() });
             missed = missed.or_else(|| blind(info, self.longer_than).map(|span| blind_words(info, span)));
         }
         let open = scene.is_open(&self.between.until);
@@ -219,7 +219,7 @@ impl Claim for Keeps {
 }
 
 /// A signal with its condition: what it has to keep to.
-pub(super) struct Watched {
+pub(super) struct KeptSignal {
     pub(super) test: ValueTest,
     pub(super) slack: f64,
     pub(super) info: SignalInfo,
@@ -228,7 +228,7 @@ pub(super) struct Watched {
 /// What the judges of one and of several signals share.
 pub(super) struct Common {
     pub(super) claim: Keeps,
-    pub(super) watched: Vec<Watched>,
+    pub(super) watched: Vec<KeptSignal>,
     pub(super) segments: SegmentJudgement,
     /// Why short breaches can have gone unseen.
     pub(super) missed: Option<String>,

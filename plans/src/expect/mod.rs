@@ -1,6 +1,6 @@
 //! Expectations: what a plan claims of its trace, one file for each verb.
 //!
-//! A verb is a table of keys, a reader and a [`Claim`]; [`VERBS`] lists them all, and nothing outside this
+//! A verb is a table of keys, a reader and a [`TraceClaim`]; [`VERBS`] lists them all, and nothing outside this
 //! folder knows any of them by name. How to add one: `docs/add-an-expectation.md`.
 
 pub(crate) mod band;
@@ -40,7 +40,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use document::{Diagnostic, Fields, Findings, KeySpec};
-use record::Origin;
+use record::ClaimOrigin;
 
 use crate::codes;
 use crate::lang::{Anchor, PlanNames};
@@ -61,7 +61,7 @@ pub struct ExpectVerb {
     /// Its keys.
     pub keys: &'static [KeySpec],
     /// Makes the claim of a table that was held against `keys`. `None` after it reported what is wrong.
-    pub read: fn(&Fields<'_>, &mut ReadContext<'_>) -> Option<Arc<dyn Claim>>,
+    pub read: fn(&Fields<'_>, &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>>,
 }
 
 /// Where a reader reports, and the plan around it.
@@ -88,7 +88,7 @@ pub struct Expectation {
     /// The verb.
     pub verb: &'static str,
     /// What it claims.
-    pub claim: Arc<dyn Claim>,
+    pub claim: Arc<dyn TraceClaim>,
     /// Where it stands; `None` for a claim that is in no plan file.
     pub place: Option<FilePlace>,
 }
@@ -99,7 +99,7 @@ pub struct GlobalCheck {
     /// The claim.
     pub expectation: Expectation,
     /// The kind of file that it stands in.
-    pub origin: Origin,
+    pub origin: ClaimOrigin,
 }
 
 /// Where an expectation or a measurement stands.
@@ -114,7 +114,7 @@ pub struct FilePlace {
 }
 
 /// What a verb claims of a trace. It is plain data; judging is done by the [`Monitor`] that it starts.
-pub trait Claim: Debug + Send + Sync {
+pub trait TraceClaim: Debug + Send + Sync {
     /// The claim in words: `lamp falls 100 ms .. 100.3 ms after busy`.
     fn expected(&self) -> String;
     /// The signals that it looks at. The place in this list is the `slot` of [`Monitor::feed`].

@@ -13,10 +13,10 @@ use record::Figure;
 use signal::Span;
 
 use super::common::{FROM, anchor, delay_words};
-use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
+use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::codes;
 use crate::lang::Anchor;
-use crate::monitor::edges::{Delay, Edge, EdgeFinder, FirstEdge};
+use crate::monitor::edges::{CountedEdge, Delay, EdgeFinder, FirstEdge};
 use crate::monitor::{
     CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainInstant, slack,
 };
@@ -42,11 +42,11 @@ const MOST: usize = 32;
 /// The claim.
 #[derive(Clone, Debug)]
 struct OrderClaim {
-    edges: Vec<(String, Edge)>,
+    edges: Vec<(String, CountedEdge)>,
     from: Anchor,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
     let from = anchor(fields, "from", Anchor::START, cx);
     let list = fields.each("edges");
     if !(2..=MOST).contains(&list.len()) {
@@ -62,12 +62,12 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>>
 }
 
 /// Reads `signal rises`.
-fn read_edge(node: &Node, cx: &mut ReadContext<'_>) -> Option<(String, Edge)> {
+fn read_edge(node: &Node, cx: &mut ReadContext<'_>) -> Option<(String, CountedEdge)> {
     let text = node.as_text()?;
     let edge = match text.rsplit_once(char::is_whitespace) {
-        Some((name, "rises")) => Some((name, Edge::Rises)),
-        Some((name, "falls")) => Some((name, Edge::Falls)),
-        Some((name, "changes")) => Some((name, Edge::Changes)),
+        Some((name, "rises")) => Some((name, CountedEdge::Rises)),
+        Some((name, "falls")) => Some((name, CountedEdge::Falls)),
+        Some((name, "changes")) => Some((name, CountedEdge::Changes)),
         _ => None,
     };
     let Some((name, edge)) = edge else {
@@ -80,15 +80,15 @@ fn read_edge(node: &Node, cx: &mut ReadContext<'_>) -> Option<(String, Edge)> {
     Some((cx.names.signal(&only, cx.out)?, edge))
 }
 
-fn present(edge: &Edge) -> &'static str {
+fn present(edge: &CountedEdge) -> &'static str {
     match edge {
-        Edge::Rises => "rises",
-        Edge::Falls => "falls",
+        CountedEdge::Rises => "rises",
+        CountedEdge::Falls => "falls",
         _ => "changes",
     }
 }
 
-impl Claim for OrderClaim {
+impl TraceClaim for OrderClaim {
     fn expected(&self) -> String {
         let parts: Vec<String> =
             self.edges.iter().map(|(signal, edge)| format!("`{signal}` {}", present(edge))).collect();

@@ -10,7 +10,7 @@ use document::{Diagnostic, Fields};
 use super::common::PlanWindow;
 use super::condition::ValueCondition;
 use super::keeps::Keeps;
-use super::{Claim, ClaimDemand, ReadContext};
+use super::{ClaimDemand, ReadContext, TraceClaim};
 use crate::lang::Anchor;
 use crate::monitor::{CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals};
 
@@ -28,7 +28,7 @@ pub(super) fn claim(
     condition: Option<ValueCondition>,
     fields: &Fields<'_>,
     cx: &mut ReadContext<'_>,
-) -> Option<Arc<dyn Claim>> {
+) -> Option<Arc<dyn TraceClaim>> {
     let between = PlanWindow::read(fields, cx)?;
     let condition = condition?;
     let longer_than = fields.duration("pulses-longer-than");
@@ -43,7 +43,7 @@ pub(super) fn claim(
     Some(Arc::new(PairsClaim { signals, pairs }))
 }
 
-impl Claim for PairsClaim {
+impl TraceClaim for PairsClaim {
     fn expected(&self) -> String {
         let quoted: Vec<String> = self.signals.iter().map(|name| format!("`{name}`")).collect();
         match self.pairs.first() {

@@ -15,10 +15,10 @@ use super::common::{
     FROM, LONGER, PlanWindow, SIGNAL, SingleSpan, SpanLimits, UNTIL, blind_words, delay_words, signal,
     span_range, spans, width,
 };
-use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
+use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::codes;
 use crate::lang::Anchor;
-use crate::monitor::edges::{Edge, EdgeFinder};
+use crate::monitor::edges::{CountedEdge, EdgeFinder};
 use crate::monitor::pulses::FigureChain;
 use crate::monitor::{
     CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow, blind, slack,
@@ -52,13 +52,13 @@ pub(super) const PERIOD: ExpectVerb = ExpectVerb {
 #[derive(Clone, Debug)]
 struct PeriodClaim {
     signal: String,
-    edge: Edge,
+    edge: CountedEdge,
     limits: SpanLimits,
     between: PlanWindow,
     longer_than: Option<Span>,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
     let signal = signal(fields, "signal", cx);
     let between = PlanWindow::read(fields, cx);
     let node = fields.get("is")?;
@@ -73,9 +73,9 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>>
         limits = (limits.0.saturating_sub(tolerance).max(0), limits.1.saturating_add(tolerance));
     }
     let edge = match fields.text("edge") {
-        Some("falls") => Edge::Falls,
-        Some("changes") => Edge::Changes,
-        _ => Edge::Rises,
+        Some("falls") => CountedEdge::Falls,
+        Some("changes") => CountedEdge::Changes,
+        _ => CountedEdge::Rises,
     };
     let longer_than = fields.duration("pulses-longer-than");
     Some(Arc::new(PeriodClaim { signal: signal?, edge, limits, between: between?, longer_than }))
@@ -84,14 +84,14 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>>
 impl PeriodClaim {
     fn noun(&self) -> &'static str {
         match self.edge {
-            Edge::Rises => "rises",
-            Edge::Falls => "falls",
+            CountedEdge::Rises => "rises",
+            CountedEdge::Falls => "falls",
             _ => "changes",
         }
     }
 }
 
-impl Claim for PeriodClaim {
+impl TraceClaim for PeriodClaim {
     fn expected(&self) -> String {
         let (noun, limits) = (self.noun(), span_range(self.limits));
         format!("successive {noun} of `{}` are {limits} apart{}", self.signal, self.between.words())

@@ -17,10 +17,10 @@ use signal::{SignalInfo, Span};
 use super::band::{FigureBand, IS_RANGE, shown};
 use super::common::{FROM, LONGER, PlanWindow, UNTIL, blind_words, delay_words, signal};
 use super::condition::{MAX, MIN};
-use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
+use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::codes;
 use crate::lang::Anchor;
-use crate::monitor::edges::{Edge, EdgeFinder, LAST};
+use crate::monitor::edges::{CountedEdge, EdgeFinder, LAST};
 use crate::monitor::{
     CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow, blind, slack,
 };
@@ -62,7 +62,7 @@ struct PhaseClaim {
     longer_than: Option<Span>,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
     let (of, reference) = (signal(fields, "of", cx), signal(fields, "reference", cx));
     let between = PlanWindow::read(fields, cx);
     let band = FigureBand::read(fields, "phase", "deg", cx)?;
@@ -84,7 +84,7 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>>
     Some(Arc::new(PhaseClaim { of, reference, by_falls, band, between: between?, longer_than }))
 }
 
-impl Claim for PhaseClaim {
+impl TraceClaim for PhaseClaim {
     fn expected(&self) -> String {
         let PhaseClaim { of, reference, band, between, .. } = self;
         format!("`{of}` lags `{reference}` by {band} in every cycle{}", between.words())
@@ -115,7 +115,7 @@ impl Claim for PhaseClaim {
         let window = scene.window(&self.between.from, &self.between.until)?;
         let side = |name: &String| {
             let info = scene.signal(name)?.clone();
-            let edge = if self.by_falls { Edge::Falls } else { Edge::Rises };
+            let edge = if self.by_falls { CountedEdge::Falls } else { CountedEdge::Rises };
             let finder = EdgeFinder::new(edge, slack(&info));
             Ok(PhaseSignal { info, finder, lag: scene.lag(name), edges: VecDeque::new(), reached: i64::MIN })
         };

@@ -15,7 +15,7 @@ use super::band::{FigureBand, IS_RANGE, shown};
 use super::common::{FROM, LONGER, PlanWindow, UNTIL};
 use super::condition::{MAX, MIN};
 use super::train::{BACKWARDS, DIRECTION, INVERTED, PULSES, QUADRATURE, TrainLines};
-use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
+use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::lang::Anchor;
 use crate::monitor::track::{PositionTrack, TrackStep};
 use crate::monitor::{CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow};
@@ -39,14 +39,14 @@ struct PositionClaim {
     between: PlanWindow,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
     let train = TrainLines::read(fields, cx);
     let between = PlanWindow::read(fields, cx);
     let band = FigureBand::read(fields, "position", "", cx)?;
     Some(Arc::new(PositionClaim { train: train?, band, between: between? }))
 }
 
-impl Claim for PositionClaim {
+impl TraceClaim for PositionClaim {
     fn expected(&self) -> String {
         format!("the position of {} changes by {}{}", self.train.words(), self.band, self.between.words())
     }

@@ -17,7 +17,7 @@ use signal::{Quantity, Span, Unit};
 use super::common::{FROM, LONGER, PlanWindow, UNTIL, count_range, delay_words};
 use super::shape::{MOVE, POINTS};
 use super::train::{BACKWARDS, DIRECTION, INVERTED, PULSES, QUADRATURE, TrainLines};
-use super::{Claim, ClaimDemand, ExpectVerb, ReadContext, shape};
+use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim, shape};
 use crate::codes;
 use crate::lang::Anchor;
 use crate::monitor::shape::FrequencyShape;
@@ -164,7 +164,7 @@ struct ProfileClaim {
     between: PlanWindow,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
     let shaped = ShapedTrain::read(fields, cx);
     let between = PlanWindow::read(fields, cx);
     let shaped = shaped?;
@@ -188,7 +188,7 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>>
     Some(Arc::new(ProfileClaim { shaped, tolerance, between: between? }))
 }
 
-impl Claim for ProfileClaim {
+impl TraceClaim for ProfileClaim {
     fn expected(&self) -> String {
         let within = match self.shaped.within {
             Span::ZERO => String::new(),

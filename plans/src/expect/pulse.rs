@@ -14,9 +14,9 @@ use signal::{SignalInfo, Span};
 use super::common::{
     FROM, PlanWindow, SIGNAL, SingleSpan, SpanLimits, UNTIL, delay_words, signal, span_range, spans, width,
 };
-use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
+use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::lang::Anchor;
-use crate::monitor::levels::Levels;
+use crate::monitor::levels::PulseFinder;
 use crate::monitor::pulses::{FigureChain, FirstPulse, Pulse, Spread};
 use crate::monitor::{
     CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow, slack,
@@ -55,7 +55,7 @@ struct PulseClaim {
     between: PlanWindow,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
     let signal = signal(fields, "signal", cx);
     let between = PlanWindow::read(fields, cx);
     let width = spans(fields.get("width")?, "width", SingleSpan::Exactly, cx)?;
@@ -70,7 +70,7 @@ impl PulseClaim {
     }
 }
 
-impl Claim for PulseClaim {
+impl TraceClaim for PulseClaim {
     fn expected(&self) -> String {
         let which = if self.every { "every" } else { "the first" };
         let (width, window) = (span_range(self.width), self.between.words());
@@ -107,7 +107,7 @@ impl Claim for PulseClaim {
         Ok(Box::new(PulseMonitor {
             claim: self.clone(),
             info: info.clone(),
-            levels: Levels::new(self.high, slack(info)),
+            levels: PulseFinder::new(self.high, slack(info)),
             window,
             judge,
             end: scene.end(),
@@ -125,7 +125,7 @@ enum PulseSelection {
 struct PulseMonitor {
     claim: PulseClaim,
     info: SignalInfo,
-    levels: Levels,
+    levels: PulseFinder,
     window: UncertainWindow,
     judge: PulseSelection,
     end: i64,

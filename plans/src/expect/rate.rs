@@ -17,7 +17,7 @@ use signal::{SignalInfo, Span};
 use super::band::{FigureBand, IS_RANGE, shown};
 use super::common::{FROM, LONGER, PlanWindow, SIGNAL, UNTIL, blind_words, signal};
 use super::condition::{MAX, MIN};
-use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
+use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::lang::Anchor;
 use crate::monitor::cycles::{CycleResult, CycleSpan, Cycles};
 use crate::monitor::{
@@ -90,7 +90,7 @@ struct Rate {
     longer_than: Option<Span>,
 }
 
-fn read(fields: &Fields<'_>, kind: RateKind, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, kind: RateKind, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
     let signal = signal(fields, "signal", cx);
     let between = PlanWindow::read(fields, cx);
     let band = FigureBand::read(fields, kind.noun(), kind.unit(), cx)?;
@@ -99,7 +99,7 @@ fn read(fields: &Fields<'_>, kind: RateKind, cx: &mut ReadContext<'_>) -> Option
     Some(Arc::new(Rate { signal: signal?, kind, by_falls, band, between: between?, longer_than }))
 }
 
-impl Claim for Rate {
+impl TraceClaim for Rate {
     fn expected(&self) -> String {
         format!("the {} of `{}` is {}{}", self.kind.noun(), self.signal, self.band, self.between.words())
     }

@@ -11,12 +11,12 @@ use std::sync::Arc;
 
 use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
-use signal::{Kind, SignalInfo, Span};
+use signal::{SignalInfo, Span, ValueKind};
 
 use super::band::shown;
 use super::common::{FROM, PlanWindow, SIGNAL, UNTIL, delay_words, signal};
 use super::condition::{IS, MAX, MIN, ValueCondition, literal};
-use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
+use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::codes;
 use crate::lang::{Anchor, Literal};
 use crate::meaning::number;
@@ -66,7 +66,7 @@ struct SettlesClaim {
     overshoot: Option<Literal>,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
     let signal = signal(fields, "signal", cx);
     let between = PlanWindow::read(fields, cx);
     let band = ValueCondition::read(fields, None, cx);
@@ -129,7 +129,7 @@ impl SettlesClaim {
     }
 
     fn bind(&self, info: &SignalInfo) -> Result<(ValueTest, Option<OvershootLimit>), String> {
-        if !matches!(info.kind, Kind::Real | Kind::Int | Kind::Word) {
+        if !matches!(info.kind, ValueKind::Real | ValueKind::Int | ValueKind::Word) {
             return Err(format!("`{}` is no number that could settle", info.name));
         }
         let test = self.band.bind(info)?;
@@ -138,7 +138,7 @@ impl SettlesClaim {
     }
 }
 
-impl Claim for SettlesClaim {
+impl TraceClaim for SettlesClaim {
     fn expected(&self) -> String {
         let overshoot = match &self.overshoot {
             Some(most) => format!(", with an overshoot of at most {most}"),

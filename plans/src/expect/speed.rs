@@ -12,14 +12,14 @@ use std::sync::Arc;
 
 use document::{Diagnostic, Fields};
 use record::Figure;
-use signal::{Kind, SignalInfo};
+use signal::{SignalInfo, ValueKind};
 
 use super::band::{FigureBand, IS_RANGE, shown};
 use super::common::{FROM, PlanWindow, SIGNAL, UNTIL, signal};
 use super::condition::{MAX, MIN};
-use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
+use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::lang::Anchor;
-use crate::monitor::speed::Speed;
+use crate::monitor::speed::SpeedFollower;
 use crate::monitor::{
     CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow, slack,
 };
@@ -43,7 +43,7 @@ struct SpeedClaim {
     between: PlanWindow,
 }
 
-fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
     let signal = signal(fields, "signal", cx);
     let between = PlanWindow::read(fields, cx);
     let band = FigureBand::read(fields, "speed", UNIT, cx)?;
@@ -56,12 +56,12 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>>
 /// Why it is not, one sentence.
 pub(crate) fn countable(info: &SignalInfo) -> Result<(), String> {
     match info.kind {
-        Kind::Int | Kind::Word if info.unit.is_empty() => Ok(()),
+        ValueKind::Int | ValueKind::Word if info.unit.is_empty() => Ok(()),
         _ => Err(format!("`{}` is no count: a speed is that of a whole number without a unit", info.name)),
     }
 }
 
-impl Claim for SpeedClaim {
+impl TraceClaim for SpeedClaim {
     fn expected(&self) -> String {
         format!("the speed of `{}` is {}{}", self.signal, self.band, self.between.words())
     }
@@ -88,7 +88,7 @@ impl Claim for SpeedClaim {
         let info = scene.signal(&self.signal)?;
         countable(info).map_err(NotJudged::NoMeaning)?;
         let window = scene.window(&self.between.from, &self.between.until)?;
-        let (claim, speed) = (self.clone(), Speed::new(window));
+        let (claim, speed) = (self.clone(), SpeedFollower::new(window));
         Ok(Box::new(SpeedMonitor { claim, slack: slack(info), window, speed }))
     }
 }
@@ -98,7 +98,7 @@ struct SpeedMonitor {
     claim: SpeedClaim,
     slack: f64,
     window: UncertainWindow,
-    speed: Speed,
+    speed: SpeedFollower,
 }
 
 impl Monitor for SpeedMonitor {

@@ -13,7 +13,7 @@ use document::{Fields, KeySpec, KeyType};
 use super::common::{FROM, UNTIL, WHEN, anchor};
 use super::condition::ValueCondition;
 use super::first_edge::{FirstEdgeKind, WITHIN, read_delay};
-use super::{Claim, ExpectVerb, ReadContext, keeps, value};
+use super::{ExpectVerb, ReadContext, TraceClaim, keeps, value};
 use crate::codes;
 use crate::lang::Anchor;
 
@@ -40,12 +40,16 @@ pub(super) const STATE: ExpectVerb = ExpectVerb {
     read,
 };
 
-fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
     read_of(NAME.to_owned(), fields, cx)
 }
 
 /// Reads `is`, `becomes` or `stays` of a signal with named values.
-pub(super) fn read_of(name: String, fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+pub(super) fn read_of(
+    name: String,
+    fields: &Fields<'_>,
+    cx: &mut ReadContext<'_>,
+) -> Option<Arc<dyn TraceClaim>> {
     let forms: [(&str, &[&str]); 3] =
         [("is", &["when"]), ("becomes", &["from", "within"]), ("stays", &["from", "until"])];
     let given: Vec<_> = forms.iter().filter(|(form, _)| fields.has(form)).collect();

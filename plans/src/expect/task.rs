@@ -12,7 +12,7 @@ use document::{Fields, KeySpec, KeyType};
 
 use super::common::{FROM, UNTIL, WHEN, anchor};
 use super::condition::{IS, MAX, MIN, ONE_OF, ValueCondition};
-use super::{Claim, ExpectVerb, ReadContext, entry, keeps, value};
+use super::{ExpectVerb, ReadContext, TraceClaim, entry, keeps, value};
 use crate::codes;
 use crate::lang::Anchor;
 use crate::signals::TaskFigure;
@@ -35,7 +35,7 @@ pub(super) const TASK: ExpectVerb = ExpectVerb {
     read,
 };
 
-fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
     let condition = ValueCondition::read(fields, None, cx);
     let (name, figure) = (fields.get("name")?, fields.get("figure")?);
     let keys = [("task", name.data.clone()), ("figure", figure.data.clone())];

@@ -1,7 +1,7 @@
 //! Pulse trains with a position: how the keys of a plan say which lines carry it.
 
 use document::{Diagnostic, Fields, KeySpec, KeyType};
-use signal::{Kind, Sampling, SignalInfo, Span};
+use signal::{Sampling, SignalInfo, Span, ValueKind};
 
 use super::ReadContext;
 use super::common::{blind_words, signal};
@@ -107,8 +107,8 @@ impl TrainLines {
         for (at, name) in self.signals().iter().enumerate() {
             let Some(info) = super::known(name, wiring, out) else { continue };
             let right = match info.kind {
-                Kind::Bool => true,
-                Kind::Int => at == 0 && self.second.is_none(),
+                ValueKind::Bool => true,
+                ValueKind::Int => at == 0 && self.second.is_none(),
                 _ => false,
             };
             if !right {
@@ -163,5 +163,5 @@ impl TrainLines {
 }
 
 fn is_number(info: &SignalInfo) -> bool {
-    info.kind != Kind::Bool
+    info.kind != ValueKind::Bool
 }

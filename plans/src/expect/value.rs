@@ -15,7 +15,7 @@ use signal::{SignalInfo, Value};
 use super::common::{WHEN, anchor};
 use super::condition::{IS, MAX, MIN, ONE_OF, ValueCondition, literal};
 use super::equal::{EqualOperand, read_pair};
-use super::{Claim, ClaimDemand, ExpectVerb, ReadContext};
+use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::codes;
 use crate::lang::{Anchor, Literal};
 use crate::monitor::reading::{Candidate, ValueReader};
@@ -58,11 +58,11 @@ struct ValueClaim {
 }
 
 /// The claim that a signal meets a condition at an instant.
-pub(super) fn at_instant(signal: String, condition: ValueCondition, when: Anchor) -> Arc<dyn Claim> {
+pub(super) fn at_instant(signal: String, condition: ValueCondition, when: Anchor) -> Arc<dyn TraceClaim> {
     Arc::new(ValueClaim { signal, condition, when })
 }
 
-fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>> {
+fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
     let when = anchor(fields, "when", Anchor::END, cx);
     let (signal, at) = cx.names.at_value(fields.get("of")?, cx.out)?;
     if let (Some(_), Some(node)) = (&at, fields.get("when")) {
@@ -97,7 +97,7 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn Claim>>
     Some(at_instant(signal, condition, when))
 }
 
-impl Claim for ValueClaim {
+impl TraceClaim for ValueClaim {
     fn expected(&self) -> String {
         format!("`{}` is {} at {}", self.signal, self.condition, self.when)
     }

@@ -7,7 +7,7 @@ use document::Diagnostic;
 use signal::Value;
 
 use super::StepFacts;
-use crate::expect::{Claim, Expectation, FilePlace, known};
+use crate::expect::{Expectation, FilePlace, TraceClaim, known};
 use crate::lang::Anchor;
 use crate::monitor::{CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals};
 use crate::steps::Question;
@@ -35,7 +35,7 @@ impl AnswerClaim {
     }
 }
 
-impl Claim for AnswerClaim {
+impl TraceClaim for AnswerClaim {
     fn expected(&self) -> String {
         format!("{} is answered {}", self.step, self.answer(self.question.pass))
     }

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use document::Diagnostic;
-use record::{Origin, Verdict, Window};
+use record::{ClaimOrigin, Verdict, Window};
 use signal::{Event, SignalInfo, Span, TraceError, When};
 
 use super::claim_record::{claim_record, writer};
@@ -424,7 +424,7 @@ impl FinalReading {
                 record.guard = true;
                 record.origin = guard.origin;
                 let file = expectation.place.as_ref().map(|place| place.file.to_string());
-                record.place_file = file.filter(|_| guard.origin != Origin::Plan);
+                record.place_file = file.filter(|_| guard.origin != ClaimOrigin::Plan);
             }
             claims.push(record);
         }

@@ -1,7 +1,7 @@
 //! Why a signal was not known: the stretches for which its board gave a reason.
 
 use record::Window;
-use signal::{Cause, Event, Gap, Span, Value};
+use signal::{Cause, Event, SignalGap, Span, Value};
 
 /// Stretches that are kept of a signal. A sentence names one; those after are for windows that lie after it.
 const MOST: usize = 64;
@@ -9,7 +9,7 @@ const MOST: usize = 64;
 /// A stretch in which a signal was not known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct UnknownStretch {
-    gap: Gap,
+    gap: SignalGap,
     /// Its earliest and latest beginning, nanoseconds.
     from: [i64; 2],
     /// Its latest end, nanoseconds; `i64::MAX` while it lasts.
@@ -99,10 +99,10 @@ mod tests {
         let mut unknown = UnknownTimes::default();
         for event in [
             event(0, Value::Real(1.0), Cause::Board),
-            event(10, Value::Unknown, Cause::Gap(Gap::OpenWire)),
+            event(10, Value::Unknown, Cause::Gap(SignalGap::OpenWire)),
             event(20, Value::Real(1.0), Cause::Board),
             event(30, Value::Unknown, Cause::Board),
-            event(40, Value::Unknown, Cause::Gap(Gap::Above)),
+            event(40, Value::Unknown, Cause::Gap(SignalGap::Above)),
         ] {
             unknown.see(&event);
         }
@@ -119,7 +119,7 @@ mod tests {
     fn a_signal_that_comes_and_goes_keeps_a_bounded_list() {
         let mut unknown = UnknownTimes::default();
         for ms in 0..1_000 {
-            unknown.see(&event(2 * ms, Value::Unknown, Cause::Gap(Gap::Below)));
+            unknown.see(&event(2 * ms, Value::Unknown, Cause::Gap(SignalGap::Below)));
             unknown.see(&event(2 * ms + 1, Value::Real(1.0), Cause::Board));
         }
         assert_eq!(unknown.stretches.len(), MOST);

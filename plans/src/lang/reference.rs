@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use document::{Data, Diagnostic, Entry, Findings, Node, Origin, Table, suggest};
+use document::{Data, Diagnostic, Entry, Findings, Node, Table, ValueOrigin, suggest};
 
 use super::words::id_length;
 use crate::codes;
@@ -143,7 +143,7 @@ fn replace(node: &Node, text: &str, bindings: &Bindings<'_>, out: &mut Findings)
             out.bad(codes::REFERENCE_FORM, node, message, "");
             return node.clone();
         }
-        origin = Some(Box::new(Origin { name: name.to_owned(), span: place.clone(), whole: false }));
+        origin = Some(Box::new(ValueOrigin { name: name.to_owned(), span: place.clone(), whole: false }));
     }
     result.push_str(&text[at..]);
     Node { span: node.span.clone(), data: Data::Text(result), content: None, origin }
@@ -156,7 +156,7 @@ fn whole(node: &Node, name: &str, bindings: &Bindings<'_>, out: &mut Findings) -
             span: node.span.clone(),
             data: value.data.clone(),
             content: None,
-            origin: Some(Box::new(Origin { name: name.to_owned(), span: place.clone(), whole: true })),
+            origin: Some(Box::new(ValueOrigin { name: name.to_owned(), span: place.clone(), whole: true })),
         },
         None => {
             unknown(node, name, 0..name.len() + 1, bindings, out);

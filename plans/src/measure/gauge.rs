@@ -1,7 +1,7 @@
 //! Taking a measurement.
 
 use record::{Figure, MeasurementRecord, Verdict};
-use signal::{Kind, SignalInfo};
+use signal::{SignalInfo, ValueKind};
 
 use super::window::WindowMeasurement;
 use super::{MeasuredQuantity, Measurement, MeasurementLimits};
@@ -70,7 +70,7 @@ impl LimitNumbers {
 
 /// A time as if it were a signal.
 pub(super) fn time() -> SignalInfo {
-    let mut info = SignalInfo::exact("time", Kind::Int);
+    let mut info = SignalInfo::exact("time", ValueKind::Int);
     info.unit = "ns".into();
     info
 }

@@ -19,14 +19,14 @@ use std::sync::Arc;
 
 use document::Diagnostic;
 use record::{MeasurementRecord, Verdict};
-use signal::{Kind, SignalInfo};
+use signal::{SignalInfo, ValueKind};
 
 use crate::expect::FilePlace;
 use crate::expect::band::figure;
 use crate::expect::profile::ShapedTrain;
 use crate::expect::train::TrainLines;
 use crate::lang::{Anchor, Literal};
-use crate::monitor::edges::Edge;
+use crate::monitor::edges::CountedEdge;
 use crate::monitor::jitter::JitterQuery;
 use crate::monitor::{CaseTimeline, NotJudged, TraceSignals};
 
@@ -50,7 +50,7 @@ pub enum MeasuredQuantity {
         /// The signal.
         signal: String,
         /// Which edge.
-        edge: crate::monitor::edges::Edge,
+        edge: crate::monitor::edges::CountedEdge,
     },
     /// The value of a signal at an instant.
     Value {
@@ -169,14 +169,14 @@ impl WindowFigure {
             WindowFigure::Period(_) | WindowFigure::Width { .. } | WindowFigure::Jitter(_) => {
                 Ok(gauge::time())
             }
-            WindowFigure::Value(_) if matches!(signal.kind, Kind::State | Kind::Mark) => {
+            WindowFigure::Value(_) if matches!(signal.kind, ValueKind::State | ValueKind::Mark) => {
                 Err(format!("`{}` has named values, of which there is no least or mean one", signal.name))
             }
             WindowFigure::Value(_) => {
                 let mut info = signal.clone();
-                if info.kind == Kind::Bool {
+                if info.kind == ValueKind::Bool {
                     // The mean of a line is the part of the time in which it is TRUE.
-                    info.kind = Kind::Real;
+                    info.kind = ValueKind::Real;
                 }
                 Ok(info)
             }
@@ -201,9 +201,9 @@ impl fmt::Display for MeasuredQuantity {
             MeasuredQuantity::Between { from, to } => write!(f, "time from {from} until {to}"),
             MeasuredQuantity::ToEdge { from, signal, edge } => {
                 let edge = match edge {
-                    Edge::Rises => "rises",
-                    Edge::Falls => "falls",
-                    Edge::Changes | Edge::Becomes(_) => "changes",
+                    CountedEdge::Rises => "rises",
+                    CountedEdge::Falls => "falls",
+                    CountedEdge::Changes | CountedEdge::Becomes(_) => "changes",
                 };
                 write!(f, "time from {from} until `{signal}` {edge}")
             }

@@ -14,7 +14,7 @@ use crate::expect::profile::ShapedTrain;
 use crate::expect::train::TrainLines;
 use crate::expect::{PlanWindow, ReadContext, literal, position, profile};
 use crate::lang::{Anchor, Literal};
-use crate::monitor::edges::Edge;
+use crate::monitor::edges::CountedEdge;
 
 const EDGE_KEYS: &[KeySpec] = &[
     KeySpec::required("signal", KeyType::SignalRef, "The signal that ends the time"),
@@ -300,9 +300,9 @@ fn time_between(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Measure
         let inner = fields.inner("to")?;
         let signal = cx.names.signal(inner.get("signal")?, cx.out)?;
         let edge = match inner.text("edge") {
-            Some("rises") => Edge::Rises,
-            Some("falls") => Edge::Falls,
-            _ => Edge::Changes,
+            Some("rises") => CountedEdge::Rises,
+            Some("falls") => CountedEdge::Falls,
+            _ => CountedEdge::Changes,
         };
         return Some(MeasuredQuantity::ToEdge { from, signal, edge });
     }

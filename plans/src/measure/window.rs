@@ -6,12 +6,12 @@ use signal::SignalInfo;
 use super::gauge::{LimitNumbers, failed, judge, open};
 use super::{Statistic, WindowFigure};
 use crate::monitor::cycles::Cycles;
-use crate::monitor::edges::{Edge, EdgeFinder};
+use crate::monitor::edges::{CountedEdge, EdgeFinder};
 use crate::monitor::extremes::Extremes;
 use crate::monitor::jitter::Jitter;
-use crate::monitor::levels::Levels;
+use crate::monitor::levels::PulseFinder;
 use crate::monitor::pulses::{FirstPulse, Pulse};
-use crate::monitor::speed::Speed;
+use crate::monitor::speed::SpeedFollower;
 use crate::monitor::{TimedValue, UncertainWindow, slack};
 
 /// What follows the signal.
@@ -20,9 +20,9 @@ pub(super) enum WindowFollower {
     /// Whole cycles together.
     Cycles(Box<Cycles>),
     /// The first pulse.
-    First(Levels, FirstPulse),
+    First(PulseFinder, FirstPulse),
     /// The pulses one by one.
-    Pulses(Levels, SpanStatistics),
+    Pulses(PulseFinder, SpanStatistics),
     /// The distances of edges one by one.
     Edges { finder: EdgeFinder, before: Option<TimedValue>, many: SpanStatistics },
     /// The distances of edges from a grid.
@@ -30,7 +30,7 @@ pub(super) enum WindowFollower {
     /// The values.
     Values(Box<Extremes>),
     /// The values at both ends.
-    Speed(Box<Speed>),
+    Speed(Box<SpeedFollower>),
 }
 
 /// What is measured over a window.
@@ -110,20 +110,20 @@ impl WindowMeasurement {
                 WindowFollower::Cycles(Box::new(Cycles::new(window, false, slack)))
             }
             WindowFigure::Period(_) => {
-                let finder = EdgeFinder::new(Edge::Rises, slack);
+                let finder = EdgeFinder::new(CountedEdge::Rises, slack);
                 WindowFollower::Edges { finder, before: None, many: SpanStatistics::default() }
             }
             WindowFigure::Width { high, take: Statistic::First } => {
-                WindowFollower::First(Levels::new(high, slack), FirstPulse::new(window, (0, i64::MAX)))
+                WindowFollower::First(PulseFinder::new(high, slack), FirstPulse::new(window, (0, i64::MAX)))
             }
             WindowFigure::Width { high, .. } => {
-                WindowFollower::Pulses(Levels::new(high, slack), SpanStatistics::default())
+                WindowFollower::Pulses(PulseFinder::new(high, slack), SpanStatistics::default())
             }
             WindowFigure::Jitter(asked) => {
-                WindowFollower::Jitter(Box::new(Jitter::new(asked, Edge::Rises, window, slack)))
+                WindowFollower::Jitter(Box::new(Jitter::new(asked, CountedEdge::Rises, window, slack)))
             }
             WindowFigure::Value(_) => WindowFollower::Values(Box::new(Extremes::new(window))),
-            WindowFigure::Speed => WindowFollower::Speed(Box::new(Speed::new(window))),
+            WindowFigure::Speed => WindowFollower::Speed(Box::new(SpeedFollower::new(window))),
         };
         WindowMeasurement { window, figure, follow, end, slack }
     }

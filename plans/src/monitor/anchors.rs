@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use signal::{Event, SignalInfo, Span, Value, When};
 
-use super::edges::{Edge, EdgeFinder};
+use super::edges::{CountedEdge, EdgeFinder};
 use super::{TimedValue, UncertainInstant};
 use crate::lang::{Anchor, AnchorBase};
 
@@ -110,7 +110,7 @@ impl Anchors {
                 line,
                 started: false,
                 counted: 0,
-                finder: EdgeFinder::new(Edge::Rises, 0.0),
+                finder: EdgeFinder::new(CountedEdge::Rises, 0.0),
                 wanted: vec![(n, base)],
             }),
         }

@@ -5,7 +5,7 @@
 //! edge in it. Which edges these are depends on where an uncertain end of the window lies, so that a few may be:
 //! each pair of them is a [`CycleSpan`]. With exact instants there is one pair.
 
-use super::edges::{Edge, EdgeFinder};
+use super::edges::{CountedEdge, EdgeFinder};
 use super::{TimedValue, UncertainWindow};
 
 /// Most edges that may be the first one, or the last one, of a window. Beyond it the answer is left open.
@@ -97,8 +97,8 @@ impl Cycles {
     pub fn new(window: UncertainWindow, by_falls: bool, slack: f64) -> Cycles {
         Cycles {
             window,
-            rises: EdgeFinder::new(Edge::Rises, slack),
-            falls: EdgeFinder::new(Edge::Falls, slack),
+            rises: EdgeFinder::new(CountedEdge::Rises, slack),
+            falls: EdgeFinder::new(CountedEdge::Falls, slack),
             by_falls,
             number: 0,
             high: (0, 0),

@@ -6,7 +6,7 @@ use super::{TimedValue, Truth, UncertainInstant, ValueTest};
 
 /// Which changes of a signal count.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Edge {
+pub enum CountedEdge {
     /// A line becomes TRUE, a number grows.
     Rises,
     /// A line is TRUE no longer (FALSE or not driven), a number shrinks.
@@ -17,15 +17,15 @@ pub enum Edge {
     Becomes(ValueTest),
 }
 
-impl Edge {
+impl CountedEdge {
     /// Whether the change from `old` to `new`, both clear, counts.
     #[inline]
     fn matches(&self, old: Value, new: Value, slack: f64) -> bool {
         match self {
-            Edge::Rises => grows(old, new),
-            Edge::Falls => grows(new, old),
-            Edge::Changes => old != new,
-            Edge::Becomes(test) => {
+            CountedEdge::Rises => grows(old, new),
+            CountedEdge::Falls => grows(new, old),
+            CountedEdge::Changes => old != new,
+            CountedEdge::Becomes(test) => {
                 test.holds(old, slack) == Truth::False && test.holds(new, slack) == Truth::True
             }
         }
@@ -35,9 +35,9 @@ impl Edge {
     fn is_open(&self, value: Value, slack: f64) -> bool {
         match self {
             _ if matches!(value, Value::Unknown) => true,
-            Edge::Becomes(test) => test.holds(value, slack) == Truth::Unknown,
+            CountedEdge::Becomes(test) => test.holds(value, slack) == Truth::Unknown,
             // Within a deadband, or within what it is uncertain by, a number may grow and shrink unseen.
-            Edge::Rises | Edge::Falls | Edge::Changes => {
+            CountedEdge::Rises | CountedEdge::Falls | CountedEdge::Changes => {
                 slack + value.uncertainty() > 0.0 && value.as_real().is_some()
             }
         }
@@ -46,10 +46,10 @@ impl Edge {
     /// The word for one in the past: `rose`.
     pub fn past(&self) -> &'static str {
         match self {
-            Edge::Rises => "rose",
-            Edge::Falls => "fell",
-            Edge::Changes => "changed",
-            Edge::Becomes(_) => "came",
+            CountedEdge::Rises => "rose",
+            CountedEdge::Falls => "fell",
+            CountedEdge::Changes => "changed",
+            CountedEdge::Becomes(_) => "came",
         }
     }
 }
@@ -81,7 +81,7 @@ pub struct FoundEdge {
 /// Finds the edges of one kind in the events of one signal.
 #[derive(Clone, Debug)]
 pub struct EdgeFinder {
-    edge: Edge,
+    edge: CountedEdge,
     slack: f64,
     last: Option<Value>,
     /// The earliest instant from which the value is not known, and its place in the trace.
@@ -92,12 +92,12 @@ pub struct EdgeFinder {
 
 impl EdgeFinder {
     /// Nothing is known of the signal before its first event.
-    pub fn new(edge: Edge, slack: f64) -> Self {
+    pub fn new(edge: CountedEdge, slack: f64) -> Self {
         EdgeFinder { edge, slack, last: None, unknown_from: Some((i64::MIN, 0)), before: None }
     }
 
     /// The kind of edge.
-    pub fn edge(&self) -> &Edge {
+    pub fn edge(&self) -> &CountedEdge {
         &self.edge
     }
 
@@ -112,10 +112,10 @@ impl EdgeFinder {
         // The common case first: a line that is known and stays known.
         if let (Value::Bool(new), Some(Value::Bool(old)), None) = (seen.value, self.last, self.unknown_from) {
             let counts = match self.edge {
-                Edge::Rises => Some(new && !old),
-                Edge::Falls => Some(old && !new),
-                Edge::Changes => Some(new != old),
-                Edge::Becomes(_) => None,
+                CountedEdge::Rises => Some(new && !old),
+                CountedEdge::Falls => Some(old && !new),
+                CountedEdge::Changes => Some(new != old),
+                CountedEdge::Becomes(_) => None,
             };
             if let Some(counts) = counts {
                 self.last = Some(seen.value);
@@ -130,7 +130,7 @@ impl EdgeFinder {
         let old = self.last.replace(seen.value);
         if let Some((a, since)) = self.unknown_from.take() {
             // A condition that held on neither side need not have been met, one that holds only after it was.
-            let before = self.before.take().filter(|_| matches!(self.edge, Edge::Becomes(_)));
+            let before = self.before.take().filter(|_| matches!(self.edge, CountedEdge::Becomes(_)));
             let certain = before.is_some_and(|old| self.edge.matches(old, seen.value, self.slack));
             return Some(FoundEdge { seen: TimedValue { a, since, ..*seen }, certain });
         }

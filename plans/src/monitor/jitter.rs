@@ -9,7 +9,7 @@
 //! at most that, and the rms of all by at most the rms of all `w`: which is how intervals are honoured. Sums are kept in
 //! whole numbers, so that nothing is rounded off however long a train is.
 
-use super::edges::{Edge, EdgeFinder};
+use super::edges::{CountedEdge, EdgeFinder};
 use super::hull::{HullCorner, HullSide, narrowest};
 use super::{TimedValue, UncertainWindow};
 
@@ -218,7 +218,7 @@ pub struct Jitter {
 
 impl Jitter {
     /// Nothing seen yet.
-    pub fn new(asked: JitterQuery, edge: Edge, window: UncertainWindow, slack: f64) -> Jitter {
+    pub fn new(asked: JitterQuery, edge: CountedEdge, window: UncertainWindow, slack: f64) -> Jitter {
         Jitter {
             asked,
             window,

@@ -6,7 +6,7 @@ use super::{TimedValue, Truth, ValueTest};
 
 /// Finds the pulses of one level in the events of one signal.
 #[derive(Clone, Debug)]
-pub struct Levels {
+pub struct PulseFinder {
     test: ValueTest,
     slack: f64,
     /// The beginning of the stretch that is open, and whether it is a pulse.
@@ -15,11 +15,11 @@ pub struct Levels {
     clean: bool,
 }
 
-impl Levels {
+impl PulseFinder {
     /// Pulses are high, or low. Nothing is known of the signal before its first event.
-    pub fn new(high: bool, slack: f64) -> Levels {
+    pub fn new(high: bool, slack: f64) -> PulseFinder {
         let test = ValueTest::bool(high);
-        Levels { test, slack, open: Some((TimedValue::NOTHING, Truth::Unknown)), clean: true }
+        PulseFinder { test, slack, open: Some((TimedValue::NOTHING, Truth::Unknown)), clean: true }
     }
 
     /// The pulse that ends with this event.

@@ -16,16 +16,16 @@ pub struct SpeedResult {
 
 /// Follows one signal.
 #[derive(Clone, Debug)]
-pub struct Speed {
+pub struct SpeedFollower {
     window: UncertainWindow,
     from: ValueReader,
     until: ValueReader,
 }
 
-impl Speed {
+impl SpeedFollower {
     /// Over this window.
-    pub fn new(window: UncertainWindow) -> Speed {
-        Speed { window, from: ValueReader::new(window.from), until: ValueReader::new(window.until) }
+    pub fn new(window: UncertainWindow) -> SpeedFollower {
+        SpeedFollower { window, from: ValueReader::new(window.from), until: ValueReader::new(window.until) }
     }
 
     /// The next event.
@@ -41,7 +41,7 @@ impl Speed {
     /// While a number goes from one value to the next it may be any between the two, and every placement of both ends is
     /// taken with every value of both: the extent may be too wide, never too narrow.
     pub fn finish(self, slack: f64) -> Option<SpeedResult> {
-        let Speed { window, from, until } = self;
+        let SpeedFollower { window, from, until } = self;
         let until = until.finish();
         let last = until.last().map(|candidate| candidate.seen);
         let (begin, end) = (extent(&from.finish(), slack)?, extent(&until, slack)?);
@@ -114,7 +114,7 @@ mod tests {
                 events.push(event(at, at + wide, value, place));
             }
             let window = UncertainWindow::new(point(from.0, from.0 + from.1, 1), point(until.0, until.0 + until.1, 2)).unwrap();
-            let mut speed = Speed::new(window);
+            let mut speed = SpeedFollower::new(window);
             events.iter().for_each(|seen| speed.see(seen));
             let found = speed.finish(0.0).unwrap();
             // A number is any on the way from one to the next while that may be under way.

@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 use signal::Value;
 
 use super::TimedValue;
-use super::edges::{Edge, EdgeFinder, LAST};
+use super::edges::{CountedEdge, EdgeFinder, LAST};
 
 /// How counts are carried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,10 +88,10 @@ impl PositionTrack {
             level: None,
         };
         let edges = match carried {
-            PulseEncoding::Pulses | PulseEncoding::Backwards => [Edge::Rises, Edge::Rises],
-            PulseEncoding::Direction { .. } => [Edge::Rises, Edge::Changes],
+            PulseEncoding::Pulses | PulseEncoding::Backwards => [CountedEdge::Rises, CountedEdge::Rises],
+            PulseEncoding::Direction { .. } => [CountedEdge::Rises, CountedEdge::Changes],
             PulseEncoding::Quadrature | PulseEncoding::Number | PulseEncoding::Read => {
-                [Edge::Changes, Edge::Changes]
+                [CountedEdge::Changes, CountedEdge::Changes]
             }
         };
         let [one, other] = edges;

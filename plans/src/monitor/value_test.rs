@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use signal::{Decimal, Kind, Policy, SignalInfo, Value};
+use signal::{Decimal, Policy, SignalInfo, Value, ValueKind};
 
 /// The answer to a condition on a value that may not be known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -188,7 +188,7 @@ fn distance(low: Number, high: Number) -> f64 {
 /// How far a signal's true value may be from the recorded one.
 pub fn slack(info: &SignalInfo) -> f64 {
     match (info.policy, info.kind) {
-        (Policy::Deadband(width), Kind::Int | Kind::Word) => width.floor(),
+        (Policy::Deadband(width), ValueKind::Int | ValueKind::Word) => width.floor(),
         (Policy::Deadband(width), _) => width,
         _ => 0.0,
     }
@@ -244,12 +244,12 @@ mod tests {
 
     #[test]
     fn whole_numbers_move_by_whole_steps() {
-        let mut info = SignalInfo::exact("n", Kind::Int);
+        let mut info = SignalInfo::exact("n", ValueKind::Int);
         info.policy = Policy::Deadband(1.5);
         assert_eq!(slack(&info), 1.0);
         info.policy = Policy::Deadband(0.5);
         assert_eq!(slack(&info), 0.0);
-        info.kind = Kind::Real;
+        info.kind = ValueKind::Real;
         assert_eq!(slack(&info), 0.5);
     }
 

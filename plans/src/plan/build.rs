@@ -14,7 +14,7 @@ use super::read::PlanDocument;
 use super::settings::SETTINGS_KEYS;
 use super::step::{StepReader, step_names};
 use super::variants::{Variant, show};
-use super::{Case, Refusal, Settings, check, facts, global_checks, refusal, settings, times};
+use super::{Case, ExpectedRefusal, PlanSettings, check, facts, global_checks, refusal, settings, times};
 use crate::codes;
 use crate::expect::{self, Expectation, FilePlace, ReadContext};
 use crate::lang::{Anchor, Bindings, PlanNames, substitute};
@@ -46,7 +46,12 @@ pub(super) fn case(document: &PlanDocument, number: u64, seed: u64, out: &mut Fi
 }
 
 /// A case whose plan cannot be read, as it is expected of it.
-fn unreadable(document: &PlanDocument, variant: &Variant<'_>, mut refusal: Refusal, found: Findings) -> Case {
+fn unreadable(
+    document: &PlanDocument,
+    variant: &Variant<'_>,
+    mut refusal: ExpectedRefusal,
+    found: Findings,
+) -> Case {
     refusal.found = found.into_vec();
     let bindings = variant.bindings();
     // What is wrong is found already.
@@ -58,7 +63,7 @@ fn unreadable(document: &PlanDocument, variant: &Variant<'_>, mut refusal: Refus
         title: fields.text("title").unwrap_or(&document.name).to_owned(),
         row: variant.row.map(|row| row.name.clone()),
         parameters: bindings.iter().map(|(name, value)| (name.to_owned(), show(value))).collect(),
-        settings: Settings::default(),
+        settings: PlanSettings::default(),
         program: ProgramRef::None,
         board: None,
         signals: Vec::new(),
@@ -95,7 +100,7 @@ fn whole(
     document: &PlanDocument,
     number: u64,
     seed: u64,
-    refusal: Option<Refusal>,
+    refusal: Option<ExpectedRefusal>,
     out: &mut Findings,
 ) -> Option<Case> {
     let variant = document.variants.get(number)?;
@@ -111,7 +116,7 @@ fn whole(
             let inner = Fields::check(table, node.span.clone(), "table `settings`", SETTINGS_KEYS, out);
             settings::read(&inner, out)
         }
-        None => Settings::default(),
+        None => PlanSettings::default(),
     };
     let bound = fields
         .get("signals")
@@ -230,7 +235,7 @@ fn whole(
 }
 
 /// Reports a case that is refused and claims something all the same, and one that is not and claims nothing.
-fn claims_or_refusal(refused: &Entry, refusal: Option<&Refusal>, claims: usize, out: &mut Findings) {
+fn claims_or_refusal(refused: &Entry, refusal: Option<&ExpectedRefusal>, claims: usize, out: &mut Findings) {
     let place = refused.key_span.clone();
     match (refusal, claims) {
         (None, 0) => {

@@ -5,10 +5,10 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 use document::Findings;
-use signal::{Kind, SignalInfo, Span, Value};
+use signal::{SignalInfo, Span, Value, ValueKind};
 
 use super::times::part;
-use super::{PlanStep, Settings, StepTime};
+use super::{PlanSettings, PlanStep, StepTime};
 use crate::codes;
 use crate::expect::{ClaimDemand, Expectation, condition::ValueCondition};
 use crate::lang::{Anchor, AnchorBase, Literal};
@@ -26,7 +26,7 @@ pub(super) struct CheckedParts<'a> {
     pub(super) expectations: &'a [Expectation],
     pub(super) measurements: &'a [Measurement],
     pub(super) signals: &'a [SignalBinding],
-    pub(super) settings: &'a Settings,
+    pub(super) settings: &'a PlanSettings,
 }
 
 /// A place in time: what it depends on that is not known before the case runs, and the distance from it.
@@ -244,7 +244,7 @@ impl CheckedTime<'_> {
 
 /// Whether the condition wants something else than 0.
 fn excludes(condition: &ValueCondition, name: &str) -> bool {
-    let info = SignalInfo::exact(name, Kind::Int);
+    let info = SignalInfo::exact(name, ValueKind::Int);
     condition.bind(&info).is_ok_and(|test| test.holds(Value::Int(0), 0.0) == Truth::False)
 }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use document::{Data, Entry, Findings, KeySpec, Node, Table, suggest};
 
-use super::variants::Row;
+use super::variants::PlanRow;
 use crate::codes;
 use crate::steps::CasePart;
 
@@ -32,7 +32,7 @@ impl ListEntry {
 
 /// The entries of a list of the root; reports what is no table, and rows that do not exist. `rows` leaves the
 /// entries of lists whose own keys do not name it.
-pub(super) fn list(root: &Table, key: &str, rows: &[Row], out: &mut Findings) -> Vec<ListEntry> {
+pub(super) fn list(root: &Table, key: &str, rows: &[PlanRow], out: &mut Findings) -> Vec<ListEntry> {
     let Some(node) = root.get(key) else { return Vec::new() };
     let Data::Array(entries) = &node.data else {
         let help = format!("write {key} = [ ... ] with one {{ ... }} per line, or [[{key}]]");

@@ -8,7 +8,7 @@ use document::{Data, Findings, Node, suggest};
 use signal::Span;
 
 use super::envelope::ListEntry;
-use super::groups::{self, DEEPEST, Group};
+use super::groups::{self, DEEPEST, PlanGroup};
 use super::keys::MOST_TIMES;
 use super::read::{MAX_STEPS, PlanDocument};
 use crate::codes;
@@ -118,7 +118,7 @@ pub(super) fn present<'d>(
 }
 
 struct Expander<'d, 'b> {
-    groups: &'d [Group],
+    groups: &'d [PlanGroup],
     /// What rows, sweeps and parameters are in this case.
     plan: &'b Bindings<'d>,
     lists: Lists<'d>,
@@ -173,7 +173,7 @@ impl<'d> Expander<'d, '_> {
     #[expect(clippy::too_many_arguments, reason = "what a call is")]
     fn bring(
         &mut self,
-        group: &'d Group,
+        group: &'d PlanGroup,
         args: &[(&'d str, Node)],
         call: &Rc<GroupCall>,
         part: CasePart,
@@ -201,7 +201,7 @@ impl<'d> Expander<'d, '_> {
         run: &Node,
         call: &GroupCall,
         out: &mut Findings,
-    ) -> Option<(&'d Group, Vec<(&'d str, Node)>)> {
+    ) -> Option<(&'d PlanGroup, Vec<(&'d str, Node)>)> {
         call.announce(out);
         let table = run.as_table()?;
         let Some(name) = table.get("group") else {

@@ -4,7 +4,7 @@ use document::{Fields, Findings, Node, suggest};
 use profile::Profile;
 
 use super::read::PlanDocument;
-use super::{Initial, PlanStep, Settings};
+use super::{InitialState, PlanSettings, PlanStep};
 use crate::codes;
 use crate::lang::{Amount, BoundRelation, Need, NeedBound};
 use crate::signals::{SignalBinding, SignalSource};
@@ -17,7 +17,7 @@ const AREAS: &[&str] = &["controller", "io", "ethernet", "serial-can", "plcsyste
 pub(super) fn program(
     document: &PlanDocument,
     fields: &Fields<'_>,
-    settings: &Settings,
+    settings: &PlanSettings,
     out: &mut Findings,
 ) -> ProgramRef {
     if let Some(text) = &document.program_text {
@@ -40,7 +40,7 @@ pub(super) fn program(
         }
         return ProgramRef::Files(files);
     }
-    let loads = settings.initial == Initial::Empty;
+    let loads = settings.initial == InitialState::Empty;
     if !loads && !fields.has("program") {
         let help =
             "write program = \"lamp.st\" or program-text = \'\'\'...\'\'\', or settings.initial = \"empty\"";

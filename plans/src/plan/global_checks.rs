@@ -8,7 +8,7 @@ use std::cell::RefCell;
 use std::sync::Arc;
 
 use document::{Diagnostic, Fields, Findings, KeySpec, KeyType, Node, SourceFile, Table, line_col, toml};
-use record::Origin;
+use record::ClaimOrigin;
 use signal::Span;
 
 use super::build::{expectation, place};
@@ -97,10 +97,10 @@ pub(super) fn of_case(
     let mut standing = CaseChecks::default();
     let plan = Default::default();
     for PlacedEntry { node, .. } in present(&document.invariants, row, bindings, &plan, out) {
-        standing.invariant(&node, &names, Origin::Plan, place(document, &node), out);
+        standing.invariant(&node, &names, ClaimOrigin::Plan, place(document, &node), out);
     }
     for PlacedEntry { node, .. } in present(&document.alarms, row, bindings, &plan, out) {
-        standing.alarm(&node, &names, Origin::Plan, place(document, &node), out);
+        standing.alarm(&node, &names, ClaimOrigin::Plan, place(document, &node), out);
     }
     standing
 }
@@ -110,7 +110,7 @@ impl CaseChecks {
         &mut self,
         node: &Node,
         names: &GlobalNames<'_>,
-        origin: Origin,
+        origin: ClaimOrigin,
         place: FilePlace,
         out: &mut Findings,
     ) {
@@ -128,7 +128,7 @@ impl CaseChecks {
         &mut self,
         node: &Node,
         names: &GlobalNames<'_>,
-        origin: Origin,
+        origin: ClaimOrigin,
         place: FilePlace,
         out: &mut Findings,
     ) {
@@ -151,7 +151,7 @@ fn hangs_on_step(anchor: &Anchor, node: &Node, out: &mut Findings) {
 fn alarm(
     node: &Node,
     names: &GlobalNames<'_>,
-    origin: Origin,
+    origin: ClaimOrigin,
     place: FilePlace,
     out: &mut Findings,
 ) -> Option<Alarm> {
@@ -238,7 +238,7 @@ impl PlanNames for GlobalNames<'_> {
 pub struct GlobalChecks {
     file: SourceFile,
     name: Arc<str>,
-    origin: Origin,
+    origin: ClaimOrigin,
     signals: Vec<SignalBinding>,
     invariants: Vec<Node>,
     alarms: Vec<Node>,
@@ -260,7 +260,7 @@ impl GlobalChecks {
         let fields = Fields::check(&head, 0..0, "suite file", SUITE_KEYS, &mut out);
         let table = fields.get("signals").and_then(Node::as_table);
         let signals = table.map_or_else(Vec::new, |table| signals::read(table, &mut out));
-        GlobalChecks::read(file, Origin::Suite, &root, signals, out)
+        GlobalChecks::read(file, ClaimOrigin::Suite, &root, signals, out)
     }
 
     /// Reads what a board file says besides the board: its names are the board's channels and the controller's
@@ -270,12 +270,12 @@ impl GlobalChecks {
     /// Everything that is wrong with its invariants and alarms.
     pub fn of_board(file: &SourceFile) -> Result<GlobalChecks, Vec<Diagnostic>> {
         let root = toml::parse(file, codes::TOML)?;
-        GlobalChecks::read(file, Origin::Board, &root, Vec::new(), Findings::new(file, codes::TOML))
+        GlobalChecks::read(file, ClaimOrigin::Board, &root, Vec::new(), Findings::new(file, codes::TOML))
     }
 
     fn read(
         file: &SourceFile,
-        origin: Origin,
+        origin: ClaimOrigin,
         root: &Table,
         signals: Vec<SignalBinding>,
         mut out: Findings,
@@ -313,7 +313,7 @@ impl GlobalChecks {
     }
 
     /// The kind of the file.
-    pub fn origin(&self) -> Origin {
+    pub fn origin(&self) -> ClaimOrigin {
         self.origin
     }
 
@@ -379,7 +379,7 @@ impl GlobalChecks {
         let mut aliases: Vec<(String, String)> = Vec::new();
         let mut added = Vec::new();
         for mut binding in bindings {
-            if let (Origin::Board, SignalSource::Path(name)) = (self.origin, &binding.source) {
+            if let (ClaimOrigin::Board, SignalSource::Path(name)) = (self.origin, &binding.source) {
                 // A board knows no program: its own names go before those of any.
                 binding.source = SignalSource::Channel(name.clone());
             }
@@ -443,8 +443,8 @@ fn entries(root: &Table, key: &str, out: &mut Findings) -> Vec<Node> {
 
 /// What the trace of a case calls a signal of another file: its own name, unless the case has that for something else
 /// or does not record all of it.
-fn alias(binding: &SignalBinding, case: &Case, origin: Origin) -> String {
-    let word = if origin == Origin::Board { "board" } else { "suite" };
+fn alias(binding: &SignalBinding, case: &Case, origin: ClaimOrigin) -> String {
+    let word = if origin == ClaimOrigin::Board { "board" } else { "suite" };
     let names = std::iter::once(binding.name.clone())
         .chain(std::iter::once(format!("{word} {}", binding.name)))
         .chain((2..).map(|count| format!("{word} {} {count}", binding.name)));

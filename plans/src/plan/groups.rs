@@ -27,7 +27,7 @@ pub(super) struct Arg {
 
 /// A group.
 #[derive(Debug)]
-pub(super) struct Group {
+pub(super) struct PlanGroup {
     pub(super) name: String,
     pub(super) place: Range<usize>,
     pub(super) args: Vec<Arg>,
@@ -37,18 +37,18 @@ pub(super) struct Group {
 }
 
 /// The groups of a plan. Reports what is wrong with them; `None` where they run each other without end.
-pub(super) fn read(root: &Table, out: &mut Findings) -> Option<Vec<Group>> {
+pub(super) fn read(root: &Table, out: &mut Findings) -> Option<Vec<PlanGroup>> {
     let Some(node) = root.get("group") else { return Some(Vec::new()) };
     let Some(table) = node.as_table() else {
         let help = "write [group.NAME] and below it args, steps and expect";
         out.bad(codes::WRONG_TYPE, node, format!("`group` is {}, not a table", node.kind()), help);
         return Some(Vec::new());
     };
-    let groups: Vec<Group> = table.entries.iter().filter_map(|entry| group(entry, out)).collect();
+    let groups: Vec<PlanGroup> = table.entries.iter().filter_map(|entry| group(entry, out)).collect();
     (!endless(&groups, out)).then_some(groups)
 }
 
-fn group(entry: &Entry, out: &mut Findings) -> Option<Group> {
+fn group(entry: &Entry, out: &mut Findings) -> Option<PlanGroup> {
     if !is_id(&entry.key) {
         let help = "letters, digits, `_`, and `-` before a letter; it begins with a letter";
         let message = format!("`{}` cannot be the name of a group", entry.key);
@@ -90,7 +90,7 @@ fn group(entry: &Entry, out: &mut Findings) -> Option<Group> {
             "give it steps = [ ... ] or expect = [ ... ]",
         );
     }
-    Some(Group { name: entry.key.clone(), place: entry.key_span.clone(), args, steps, expect, measure })
+    Some(PlanGroup { name: entry.key.clone(), place: entry.key_span.clone(), args, steps, expect, measure })
 }
 
 /// Takes `rows` out of the entries of a list.
@@ -156,7 +156,7 @@ fn run_by(step: &Node) -> Option<&Node> {
 }
 
 /// The group of a call; reports a name that none has.
-pub(super) fn find<'g>(groups: &'g [Group], node: &Node, out: &mut Findings) -> Option<&'g Group> {
+pub(super) fn find<'g>(groups: &'g [PlanGroup], node: &Node, out: &mut Findings) -> Option<&'g PlanGroup> {
     let name = node.as_text()?;
     let found = groups.iter().find(|group| group.name == name);
     if found.is_none() {
@@ -174,7 +174,7 @@ pub(super) fn find<'g>(groups: &'g [Group], node: &Node, out: &mut Findings) -> 
 }
 
 /// Reports the first circle of groups that run each other, if there is one.
-fn endless(groups: &[Group], out: &mut Findings) -> bool {
+fn endless(groups: &[PlanGroup], out: &mut Findings) -> bool {
     let place = |name: &str| groups.iter().position(|group| group.name == name);
     // What a group was found to be: not looked at, on the way, free of circles.
     let mut marks = vec![0u8; groups.len()];
@@ -210,7 +210,7 @@ fn endless(groups: &[Group], out: &mut Findings) -> bool {
 }
 
 /// How many values the calls of these steps put into a case, at most about: bounds the time that checking takes.
-pub(super) fn weight(steps: &[ListEntry], groups: &[Group], depth: usize) -> u64 {
+pub(super) fn weight(steps: &[ListEntry], groups: &[PlanGroup], depth: usize) -> u64 {
     let calls = steps.iter().filter_map(|step| {
         let name = run_by(&step.node)?.as_text()?;
         let group = groups.iter().find(|group| group.name == name)?;

@@ -6,7 +6,7 @@ use document::{Data, Entry, Fields, Findings, KeySpec, KeyType, Node};
 use profile::{BounceFilter, EventEdges, InputFilter};
 use signal::{Address, Area, Span};
 
-use super::settings::Settings;
+use super::settings::PlanSettings;
 use crate::codes;
 use crate::lang::terminal;
 
@@ -48,7 +48,7 @@ pub struct InputSettings {
 }
 
 /// Reads `filter`, `inputs`, `run-stop-input` and `switch`, which were held against their keys.
-pub(super) fn read(fields: &Fields<'_>, settings: &mut Settings, out: &mut Findings) {
+pub(super) fn read(fields: &Fields<'_>, settings: &mut PlanSettings, out: &mut Findings) {
     filters(fields, settings, out);
     inputs(fields, settings, out);
     settings.switch_at_run = fields.text("switch").map(|position| position == "run");
@@ -57,7 +57,7 @@ pub(super) fn read(fields: &Fields<'_>, settings: &mut Settings, out: &mut Findi
         .and_then(|node| Some((terminal(node, node.as_text()?, Area::Input, out)?, node.span.clone())));
 }
 
-fn filters(fields: &Fields<'_>, settings: &mut Settings, out: &mut Findings) {
+fn filters(fields: &Fields<'_>, settings: &mut PlanSettings, out: &mut Findings) {
     let Some(node) = fields.get("filter") else { return };
     let Some(table) = node.as_table() else {
         settings.filter = filter(node, out);
@@ -72,7 +72,7 @@ fn filters(fields: &Fields<'_>, settings: &mut Settings, out: &mut Findings) {
     }
 }
 
-fn inputs(fields: &Fields<'_>, settings: &mut Settings, out: &mut Findings) {
+fn inputs(fields: &Fields<'_>, settings: &mut PlanSettings, out: &mut Findings) {
     let Some(table) = fields.get("inputs").and_then(Node::as_table) else { return };
     for entry in &table.entries {
         let Some(own) = entry.node.as_table() else { continue };

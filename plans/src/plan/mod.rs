@@ -40,10 +40,10 @@ pub use inputs::InputSettings;
 pub(crate) use keys::EXPECT_KEYS;
 pub use keys::{GROUP_KEYS, INCLUDED_KEYS, PLAN_KEYS, STEP_KEYS};
 pub use read::{MAX_CASES, MAX_STEPS, Plan, read, read_gathered};
-pub use refusal::Refusal;
+pub use refusal::ExpectedRefusal;
 pub use settings::{
-    AlwaysUpdate, HaltOutputs, Initial, OutputsInStop, Rearming, Settings, StartingMode, TaskSettings,
-    TaskType, WatchdogBasis,
+    AlwaysUpdate, HaltOutputs, InitialState, OutputsInStop, PlanSettings, Rearming, StartingMode,
+    TaskSettings, TaskType, WatchdogBasis,
 };
 
 /// What an awaited step waits for.
@@ -157,7 +157,7 @@ pub struct Case {
     /// What `$` names had which value, in the plan's order.
     pub parameters: Vec<(String, String)>,
     /// The configuration.
-    pub settings: Settings,
+    pub settings: PlanSettings,
     /// The program.
     pub program: ProgramRef,
     /// The board file as written, relative to the plan's folder; `None`: the simulated board.
@@ -195,7 +195,7 @@ pub struct Case {
     /// How often it runs, each turn with what is left to chance drawn again.
     pub repeat: u32,
     /// What its check must find, for a case that is never to run.
-    pub refusal: Option<Refusal>,
+    pub refusal: Option<ExpectedRefusal>,
 }
 
 impl Case {

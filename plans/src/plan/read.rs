@@ -9,7 +9,7 @@ use profile::Profile;
 use super::build;
 use super::check::Unspoken;
 use super::envelope::{self, ListEntry};
-use super::groups::{self, Group};
+use super::groups::{self, PlanGroup};
 use super::include::{PlanText, gather};
 use super::variants::Variants;
 use super::{Case, refusal};
@@ -60,7 +60,7 @@ pub(super) struct PlanDocument {
     pub(super) head: Table,
     /// Setup, main and teardown, one after another.
     pub(super) steps: Vec<ListEntry>,
-    pub(super) groups: Vec<Group>,
+    pub(super) groups: Vec<PlanGroup>,
     pub(super) expect: Vec<ListEntry>,
     pub(super) measure: Vec<ListEntry>,
     pub(super) invariants: Vec<ListEntry>,
@@ -209,7 +209,7 @@ fn read_joined(text: &PlanText, parameters: &[(String, String)], seed: u64) -> R
         return Err(out.into_vec());
     }
     let claims = [&expect, &measure, &invariants, &alarms];
-    let of_group = |group: &Group| !group.expect.is_empty() || !group.measure.is_empty();
+    let of_group = |group: &PlanGroup| !group.expect.is_empty() || !group.measure.is_empty();
     if claims.iter().all(|list| list.is_empty())
         && !groups.iter().any(of_group)
         && !refusal::is_there(&root)

@@ -28,7 +28,7 @@ pub(super) const REFUSAL_KEYS: &[KeySpec] = &[
 
 /// What the check of a case must find.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Refusal {
+pub struct ExpectedRefusal {
     /// The code of every error, or of the warnings that are meant.
     pub code: String,
     /// Whether warnings are meant, and no error may be found.
@@ -45,7 +45,7 @@ pub struct Refusal {
     pub line: u32,
 }
 
-impl Refusal {
+impl ExpectedRefusal {
     /// Whether it is the reader of plans that must refuse.
     pub(super) fn is_of_the_plan(&self) -> bool {
         self.code.starts_with('P') && !self.warning
@@ -109,7 +109,7 @@ pub(super) fn read(
     document: &PlanDocument,
     variant: &Variant<'_>,
     out: &mut Findings,
-) -> Result<Option<Refusal>, ()> {
+) -> Result<Option<ExpectedRefusal>, ()> {
     let before = out.errors();
     let (key, node) = match (document.head.get(REFUSED), document.head.get(WARNED)) {
         (Some(node), None) => (REFUSED, node),
@@ -141,7 +141,7 @@ pub(super) fn read(
         out.bad(codes::UNREADABLE, node, message, "write it as in code = \"R0113\"");
     }
     let (true, Some((_, code))) = (out.errors() == before, code) else { return Err(()) };
-    Ok(Some(Refusal {
+    Ok(Some(ExpectedRefusal {
         code: code.to_owned(),
         warning: key == WARNED,
         says: fields.each("says").iter().filter_map(Node::as_text).map(str::to_owned).collect(),

@@ -125,7 +125,7 @@ pub(super) const SETTINGS_KEYS: &[KeySpec] = &[
 
 /// The controller's state at `start`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Initial {
+pub enum InitialState {
     /// RUNNING, the default.
     #[default]
     Running,
@@ -210,9 +210,9 @@ pub enum AlwaysUpdate {
 
 /// The configuration that a plan asks for. What it leaves out is as the controller's documents have it.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Settings {
+pub struct PlanSettings {
     /// The controller's state at `start`.
-    pub initial: Initial,
+    pub initial: InitialState,
     /// The controller's reference; `None`: the board's.
     pub reference: Option<&'static Reference>,
     /// What the controller does at power-on.
@@ -285,14 +285,14 @@ pub struct TaskSettings {
 }
 
 /// Reads settings that were held against their keys.
-pub(super) fn read(fields: &Fields<'_>, out: &mut Findings) -> Settings {
-    let mut settings = Settings {
+pub(super) fn read(fields: &Fields<'_>, out: &mut Findings) -> PlanSettings {
+    let mut settings = PlanSettings {
         firmware_invalid: fields.text("firmware") == Some("invalid"),
         initial: match fields.text("initial") {
-            Some("stopped") => Initial::Stopped,
-            Some("empty") => Initial::Empty,
-            Some("booting") => Initial::Booting,
-            _ => Initial::Running,
+            Some("stopped") => InitialState::Stopped,
+            Some("empty") => InitialState::Empty,
+            Some("booting") => InitialState::Booting,
+            _ => InitialState::Running,
         },
         starting_mode: fields.text("starting-mode").map(|mode| match mode {
             "previous" => StartingMode::Previous,
@@ -327,7 +327,7 @@ pub(super) fn read(fields: &Fields<'_>, out: &mut Findings) -> Settings {
             "enabled-2" => AlwaysUpdate::Enabled2,
             _ => AlwaysUpdate::Disabled,
         }),
-        ..Settings::default()
+        ..PlanSettings::default()
     };
     if let Some(node) = fields.get("reference") {
         settings.reference = node.as_text().and_then(Reference::find);
@@ -373,7 +373,7 @@ pub(super) fn read(fields: &Fields<'_>, out: &mut Findings) -> Settings {
 }
 
 /// The rows of the relocation table; a row without a variable is left out (controller:REL-06).
-fn relocation(fields: &Fields<'_>, settings: &mut Settings, out: &mut Findings) {
+fn relocation(fields: &Fields<'_>, settings: &mut PlanSettings, out: &mut Findings) {
     // More than its registers can never fit.
     const MOST: usize = 2_000;
     let Some(table) = fields.get("relocation").and_then(Node::as_table) else { return };
@@ -389,7 +389,7 @@ fn relocation(fields: &Fields<'_>, settings: &mut Settings, out: &mut Findings) 
     }
 }
 
-fn defaults(fields: &Fields<'_>, settings: &mut Settings, out: &mut Findings) {
+fn defaults(fields: &Fields<'_>, settings: &mut PlanSettings, out: &mut Findings) {
     let Some(table) = fields.get("output-defaults").and_then(Node::as_table) else { return };
     for entry in &table.entries {
         let document::Data::Bool(on) = entry.node.data else { continue };

@@ -42,7 +42,7 @@ const MAX_NAMES: usize = 200;
 
 /// A row of the plan.
 #[derive(Clone, Debug)]
-pub(super) struct Row {
+pub(super) struct PlanRow {
     pub(super) name: String,
     pub(super) place: Range<usize>,
     values: Vec<Entry>,
@@ -58,7 +58,7 @@ struct NamedValues {
 
 /// The cases of each row.
 #[derive(Clone, Debug)]
-struct Block {
+struct RowCases {
     /// Place in `rows`, `None` for a plan without rows.
     row: Option<usize>,
     /// Place of the step and number of its positions.
@@ -70,16 +70,16 @@ struct Block {
 /// All that multiplies a plan.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Variants {
-    pub(super) rows: Vec<Row>,
+    pub(super) rows: Vec<PlanRow>,
     sweeps: Vec<NamedValues>,
     parameters: Vec<NamedValues>,
-    blocks: Vec<Block>,
+    blocks: Vec<RowCases>,
 }
 
 /// One case among them.
 #[derive(Clone, Debug)]
 pub(super) struct Variant<'a> {
-    pub(super) row: Option<&'a Row>,
+    pub(super) row: Option<&'a PlanRow>,
     /// Sweep and place of its value.
     points: Vec<(&'a NamedValues, usize)>,
     /// Place of the step, its position and the number of positions.
@@ -128,7 +128,7 @@ impl Variants {
             let phases = positions(row.map(|at| self.rows[at].name.as_str()));
             let moved = phases.iter().fold(1u64, |all, (_, count)| all.saturating_mul(*count));
             total = total.saturating_add(swept.saturating_mul(moved));
-            self.blocks.push(Block { row, phases, until: total });
+            self.blocks.push(RowCases { row, phases, until: total });
         }
         if total > MAX_CASES {
             let help = "rows, sweeps and phases multiply: widen the steps of a sweep, or split the plan";
@@ -240,7 +240,7 @@ fn not_too_many(table: &Table, out: &mut Findings) -> bool {
     table.entries.len() <= MAX_NAMES
 }
 
-fn rows(entry: &Entry, out: &mut Findings) -> Vec<Row> {
+fn rows(entry: &Entry, out: &mut Findings) -> Vec<PlanRow> {
     let Some(table) = table_of_entry(entry, out) else { return Vec::new() };
     if table.entries.is_empty() {
         let help = "write one row for each case, as in over = { cycle = \"101 ms\" }, or remove [rows]";
@@ -262,7 +262,7 @@ fn rows(entry: &Entry, out: &mut Findings) -> Vec<Row> {
             plain(&value.node, out) && named
         });
         let values = right.cloned().collect();
-        list.push(Row { name: row.key.clone(), place: row.key_span.clone(), values });
+        list.push(PlanRow { name: row.key.clone(), place: row.key_span.clone(), values });
     }
     list
 }

@@ -17,7 +17,8 @@ use super::{SignalBinding, SignalSource};
 use crate::codes;
 use crate::frames::DataPattern;
 use crate::frames::can::{
-    Database, Databases, FieldSpec, FramePattern, FrameSignal, From, MAX_EXTENDED_ID, MAX_ID, MessageSpec,
+    Databases, DbcDatabase, FieldSpec, FramePattern, FrameSender, FrameSignal, MAX_EXTENDED_ID, MAX_ID,
+    MessageSpec,
 };
 use crate::lang::{is_id, is_path};
 
@@ -63,7 +64,7 @@ const FRAME_KEYS: &[KeySpec] = &[
     DATA,
     KeySpec::optional(
         "from",
-        KeyType::Choice(From::NAMES),
+        KeyType::Choice(FrameSender::NAMES),
         "Who sent them: the rig on this bus, others, or any (if left out).",
     ),
     DBC,
@@ -256,7 +257,7 @@ pub(crate) fn named(
         remote,
         fd,
         data,
-        from: fields.text("from").and_then(From::find).unwrap_or_default(),
+        from: fields.text("from").and_then(FrameSender::find).unwrap_or_default(),
         brs: fields.boolean("brs").unwrap_or(false),
         message: message.as_ref().map(|message| message.name.clone()),
         length,
@@ -322,7 +323,7 @@ fn message(
 }
 
 /// The DBC file of a name; reports why there is none.
-fn database(file: &Node, databases: &Databases, out: &mut Findings) -> Option<Arc<Database>> {
+fn database(file: &Node, databases: &Databases, out: &mut Findings) -> Option<Arc<DbcDatabase>> {
     let name = file.as_text()?;
     match databases.get(name) {
         Some(Ok(base)) => Some(Arc::clone(base)),

@@ -38,7 +38,7 @@ pub use encoder::{Encoder, ShaftMotion};
 pub use send::{OutFrame, SendFrames};
 pub use sequence::Sequence;
 pub use train::{MAX_PULSES, TrainStimulus};
-pub use wave::{PeriodicWave, Wave, WaveShape};
+pub use wave::{PeriodicWave, StimulusShape, WaveStimulus};
 
 /// A verb of `steps`: `{ id = "busy", at = "start + 1 s", overload = { ... } }`.
 #[derive(Debug)]
@@ -316,7 +316,7 @@ pub enum Stimulus {
     /// Emits a train of pulses.
     Train(TrainStimulus),
     /// Drives a line with values that change by a rule.
-    Wave(Wave),
+    Wave(WaveStimulus),
     /// Emits what an encoder emits as it turns.
     Encoder(Encoder),
     /// Drives lines with the values of a table.

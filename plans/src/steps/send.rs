@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use document::{Fields, Findings, KeySpec, KeyType, Node};
-use signal::{Kind, Random, SignalInfo, Span};
+use signal::{Random, SignalInfo, Span, ValueKind};
 
 use super::drive::above_zero;
 use super::{MAX_PULSES, StepNames, StepVerb, Stimulus, table_fields};
@@ -334,7 +334,7 @@ fn code(field: &FieldSpec, node: &Node, out: &mut Findings) -> Option<u64> {
     let info = SignalInfo {
         unit: field.unit.clone(),
         labels: field.labels.clone(),
-        ..SignalInfo::exact(&field.name, Kind::Real)
+        ..SignalInfo::exact(&field.name, ValueKind::Real)
     };
     let value = match value_of(&literal, &info) {
         Ok(value) => value,

@@ -140,11 +140,11 @@ pub(super) const NOISE: StepVerb = StepVerb {
 
 /// Values of a line over time, by a rule.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Wave {
+pub struct WaveStimulus {
     /// The line or channel.
     pub signal: String,
     /// The rule.
-    pub shape: WaveShape,
+    pub shape: StimulusShape,
     /// How long it lasts, above 0; `None`: until something else drives the line, or the end.
     pub lasts: Option<Span>,
     /// From one value to the next, above 0. A square wave has its edges instead.
@@ -153,7 +153,7 @@ pub struct Wave {
 
 /// The rule by which a value changes.
 #[derive(Clone, Debug, PartialEq)]
-pub enum WaveShape {
+pub enum StimulusShape {
     /// Evenly from one value to another.
     Ramp {
         /// Where it begins; `None`: where the line is.
@@ -204,11 +204,11 @@ impl PeriodicWave {
     pub const WHOLE: u32 = 360_000_000;
 }
 
-impl Wave {
+impl WaveStimulus {
     /// Edges that a line must be able to follow, in thousandths of a Hertz, where it is a line.
     pub fn millihertz(&self) -> Option<u64> {
         match &self.shape {
-            WaveShape::Square { periodic: PeriodicWave { range: None, cycle, .. }, .. } => {
+            StimulusShape::Square { periodic: PeriodicWave { range: None, cycle, .. }, .. } => {
                 Some(cycle.millihertz())
             }
             _ => None,
@@ -218,7 +218,7 @@ impl Wave {
     /// The shortest time that a square wave keeps a level; 0 of any other wave.
     pub fn shortest(&self) -> Span {
         match &self.shape {
-            WaveShape::Square { periodic, duty } => {
+            StimulusShape::Square { periodic, duty } => {
                 let high = periodic.cycle.after(u128::from(*duty), 1_000_000);
                 high.min(periodic.cycle.after(1, 1) - high)
             }
@@ -229,11 +229,11 @@ impl Wave {
     /// The verb that it is written with.
     pub fn verb(&self) -> &'static str {
         match self.shape {
-            WaveShape::Ramp { .. } => "ramp",
-            WaveShape::Sine(_) => "sine",
-            WaveShape::Triangle { .. } => "triangle",
-            WaveShape::Square { .. } => "square",
-            WaveShape::Noise { .. } => "noise",
+            StimulusShape::Ramp { .. } => "ramp",
+            StimulusShape::Sine(_) => "sine",
+            StimulusShape::Triangle { .. } => "triangle",
+            StimulusShape::Square { .. } => "square",
+            StimulusShape::Noise { .. } => "noise",
         }
     }
 }
@@ -254,9 +254,9 @@ fn read_ramp(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<S
         return None;
     }
     let sample = sample(&fields, Some(lasts), None, out)?;
-    Some(Stimulus::Wave(Wave {
+    Some(Stimulus::Wave(WaveStimulus {
         signal: signal?,
-        shape: WaveShape::Ramp { from, to },
+        shape: StimulusShape::Ramp { from, to },
         lasts: Some(lasts),
         sample,
     }))
@@ -277,9 +277,9 @@ fn read_noise(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<
     }
     let lasts = if fields.has("lasts") { Some(above_zero(&fields, "lasts", out)?) } else { None };
     let sample = sample(&fields, lasts, None, out)?;
-    Some(Stimulus::Wave(Wave {
+    Some(Stimulus::Wave(WaveStimulus {
         signal: signal?,
-        shape: WaveShape::Noise { range, deviation },
+        shape: StimulusShape::Noise { range, deviation },
         lasts,
         sample,
     }))
@@ -326,15 +326,15 @@ fn read_periodic(
                 out.bad(codes::WAVE, node, message, "lower the frequency, or take a duty nearer to 50 %");
                 return None;
             }
-            (WaveShape::Square { periodic, duty }, cycle.after(1, 1))
+            (StimulusShape::Square { periodic, duty }, cycle.after(1, 1))
         }
         "triangle" => {
             let sample = sample(&fields, lasts, Some(cycle), out)?;
-            (WaveShape::Triangle { periodic, rise: rise(&fields, out)? }, sample)
+            (StimulusShape::Triangle { periodic, rise: rise(&fields, out)? }, sample)
         }
-        _ => (WaveShape::Sine(periodic), sample(&fields, lasts, Some(cycle), out)?),
+        _ => (StimulusShape::Sine(periodic), sample(&fields, lasts, Some(cycle), out)?),
     };
-    Some(Stimulus::Wave(Wave { signal: signal?, shape, lasts, sample }))
+    Some(Stimulus::Wave(WaveStimulus { signal: signal?, shape, lasts, sample }))
 }
 
 /// A number or quantity that was held against its type.

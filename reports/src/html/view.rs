@@ -1,8 +1,8 @@
 //! What the template writes: the summary, and the cases that need attention with their reasons.
 
 use crate::coverage::CoverageRow;
-use crate::show::{self, Outcome};
-use record::{CaseRecord, ClaimRecord, Clock, MeasurementRecord, RunRecord, Totals, Verdict};
+use crate::show::{self, ShownOutcome};
+use record::{CaseRecord, ClaimRecord, MeasurementRecord, RunClock, RunRecord, Totals, Verdict};
 use serde::Serialize;
 
 /// The most cases that the summary lists; the script has them all.
@@ -125,7 +125,7 @@ fn executed(run: &RunRecord) -> String {
 }
 
 fn counts(totals: Totals) -> Vec<OutcomeCount> {
-    let judged = |verdict: Verdict| Outcome::Judged(verdict);
+    let judged = |verdict: Verdict| ShownOutcome::Judged(verdict);
     let errors = if totals.errors == 1 { "rig error" } else { "rig errors" };
     let all = [
         (judged(Verdict::Error), errors, totals.errors),
@@ -133,8 +133,8 @@ fn counts(totals: Totals) -> Vec<OutcomeCount> {
         (judged(Verdict::Inconclusive), "inconclusive", totals.inconclusive),
         (judged(Verdict::None), "without verdict", totals.none),
         (judged(Verdict::Pass), "passed", totals.passed),
-        (Outcome::NotApplicable, "not applicable", totals.not_applicable),
-        (Outcome::Skipped, "skipped", totals.skipped),
+        (ShownOutcome::NotApplicable, "not applicable", totals.not_applicable),
+        (ShownOutcome::Skipped, "skipped", totals.skipped),
     ];
     // The bar has 1000 units; whatever happened can be seen in it.
     const LEAST: f64 = 6.0;
@@ -187,7 +187,7 @@ fn part(run: &RunRecord) -> String {
 
 /// How well the rig kept time on the host's clock, over all cases: what every figure of such a run depends on.
 fn quality(run: &RunRecord) -> String {
-    if run.provenance.clock == Clock::Virtual {
+    if run.provenance.clock == RunClock::Virtual {
         return String::new();
     }
     let timing = run.cases.iter().map(|case| &case.timing);
@@ -208,7 +208,7 @@ fn attention(run: &RunRecord) -> (Vec<FailedCase>, usize) {
 
 impl FailedCase {
     fn of(case: &CaseRecord) -> FailedCase {
-        let outcome = Outcome::of(case);
+        let outcome = ShownOutcome::of(case);
         let claims = case.claims.iter().filter(|claim| claim.verdict > Verdict::Pass);
         let measurements = case.measurements.iter().filter(|m| m.verdict > Verdict::Pass);
         FailedCase {

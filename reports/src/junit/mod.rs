@@ -9,7 +9,7 @@
 mod xml;
 
 use crate::brief;
-use crate::show::{self, Outcome, clean};
+use crate::show::{self, ShownOutcome, clean};
 use record::{CaseRecord, RunRecord, Verdict};
 use std::collections::{BTreeMap, BTreeSet};
 use xml::Xml;
@@ -75,11 +75,13 @@ impl SuiteCounts {
     fn add(&mut self, case: &CaseRecord) {
         self.tests += 1;
         self.host_ms += case.host_ms;
-        match Outcome::of(case) {
-            Outcome::Judged(Verdict::Pass) => {}
-            Outcome::Judged(Verdict::Fail | Verdict::Inconclusive) => self.failures += 1,
-            Outcome::Judged(Verdict::Error) => self.errors += 1,
-            Outcome::Judged(Verdict::None) | Outcome::Skipped | Outcome::NotApplicable => self.skipped += 1,
+        match ShownOutcome::of(case) {
+            ShownOutcome::Judged(Verdict::Pass) => {}
+            ShownOutcome::Judged(Verdict::Fail | Verdict::Inconclusive) => self.failures += 1,
+            ShownOutcome::Judged(Verdict::Error) => self.errors += 1,
+            ShownOutcome::Judged(Verdict::None) | ShownOutcome::Skipped | ShownOutcome::NotApplicable => {
+                self.skipped += 1
+            }
         }
     }
 
@@ -238,7 +240,7 @@ fn test_case(
     let class = if place.is_empty() { "plans".to_owned() } else { place.replace('/', ".") };
     let time = seconds(case.host_ms);
     let attributes = [("name", name.as_str()), ("classname", &class), ("time", &time)];
-    let passed = Outcome::of(case) == Outcome::Judged(Verdict::Pass);
+    let passed = ShownOutcome::of(case) == ShownOutcome::Judged(Verdict::Pass);
     let wanted = if passed { detail.passed } else { detail.others };
     let said = if wanted { system_out(case, folder, passed) } else { String::new() };
     if passed && said.is_empty() {
@@ -253,15 +255,17 @@ fn test_case(
 }
 
 fn status(out: &mut Xml, case: &CaseRecord, detail: DetailLevel) {
-    let element = match Outcome::of(case) {
-        Outcome::Judged(Verdict::Pass) => return,
-        Outcome::Judged(Verdict::Fail | Verdict::Inconclusive) => "failure",
-        Outcome::Judged(Verdict::Error) => "error",
-        outcome @ (Outcome::Judged(Verdict::None) | Outcome::Skipped | Outcome::NotApplicable) => {
+    let element = match ShownOutcome::of(case) {
+        ShownOutcome::Judged(Verdict::Pass) => return,
+        ShownOutcome::Judged(Verdict::Fail | Verdict::Inconclusive) => "failure",
+        ShownOutcome::Judged(Verdict::Error) => "error",
+        outcome @ (ShownOutcome::Judged(Verdict::None)
+        | ShownOutcome::Skipped
+        | ShownOutcome::NotApplicable) => {
             let word = match outcome {
-                Outcome::NotApplicable => "not applicable",
-                Outcome::Skipped => "skipped",
-                Outcome::Judged(_) => "nothing was judged",
+                ShownOutcome::NotApplicable => "not applicable",
+                ShownOutcome::Skipped => "skipped",
+                ShownOutcome::Judged(_) => "nothing was judged",
             };
             let reason = brief::cut(&clean(show::reason(case)), detail.message);
             let said = if reason.is_empty() { word.to_owned() } else { format!("{word}: {reason}") };

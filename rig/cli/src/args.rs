@@ -14,12 +14,12 @@ pub struct Cli {
     pub color: ColorChoice,
     /// What to do.
     #[command(subcommand)]
-    pub command: Command,
+    pub command: CliCommand,
 }
 
 /// The commands.
 #[derive(Debug, Subcommand)]
-pub enum Command {
+pub enum CliCommand {
     /// Run test plans; without any, the plans that ship with the rig, on the simulated board.
     Test(crate::test::TestArgs),
     /// Check plans, boards and programs and report what is wrong; nothing moves.

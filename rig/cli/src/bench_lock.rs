@@ -1,6 +1,6 @@
 //! A bench that another run may be using.
 
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use clap::Args;
 use document::Diagnostic;
@@ -22,14 +22,14 @@ impl BenchLockArgs {
     ///
     /// # Errors
     /// How the command ends where it cannot have them; why is printed.
-    pub fn take(&self, board: &BoardFile, interrupt: &AtomicBool) -> Result<Option<BenchLock>, Exit> {
+    pub fn take(&self, board: &BoardFile, interrupt: &AtomicBool) -> Result<Option<BenchLock>, ExitStatus> {
         bench_lock::take(board, self.wait, interrupt, &output::note).or_else(|found: Diagnostic| {
             let refused = found.is_error();
             if refused && interrupt.load(Ordering::Relaxed) {
-                return Err(Exit::Interrupted);
+                return Err(ExitStatus::Interrupted);
             }
             output::findings(&[found], &[]);
-            if refused { Err(Exit::UserFiles) } else { Ok(None) }
+            if refused { Err(ExitStatus::UserFiles) } else { Ok(None) }
         })
     }
 }

@@ -1,6 +1,6 @@
 //! `rig check`.
 
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use crate::plan_files::Parameters;
 use crate::plan_files::find::find;
@@ -28,7 +28,7 @@ pub struct CheckArgs {
 }
 
 /// Reads files and says what is wrong with them.
-pub fn run(args: &CheckArgs) -> Exit {
+pub fn run(args: &CheckArgs) -> ExitStatus {
     let mut parameters = match Parameters::read(&args.params) {
         Ok(parameters) => parameters,
         Err(exit) => return exit,
@@ -64,8 +64,8 @@ pub fn run(args: &CheckArgs) -> Exit {
     }
     match parameters.finish() {
         Err(exit) => exit,
-        Ok(()) if wrong => Exit::UserFiles,
-        Ok(()) => Exit::Passed,
+        Ok(()) if wrong => ExitStatus::UserFiles,
+        Ok(()) => ExitStatus::Passed,
     }
 }
 

@@ -1,6 +1,6 @@
 //! `rig diff`: what changed between two runs.
 
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output::OutputFormat;
 use crate::{output, saved_runs};
 use clap::Args;
@@ -35,13 +35,13 @@ fn percent(text: &str) -> Result<f64, String> {
 }
 
 /// Compares two runs.
-pub fn run(args: &DiffArgs) -> Exit {
+pub fn run(args: &DiffArgs) -> ExitStatus {
     let (old, new) = match (saved_runs::load(&args.old), saved_runs::load(&args.new)) {
         (Ok(old), Ok(new)) => (old, new),
         (old, new) => {
             let found: Vec<_> = [old.err(), new.err()].into_iter().flatten().collect();
             output::findings(&found, &[]);
-            return Exit::UserFiles;
+            return ExitStatus::UserFiles;
         }
     };
     let thresholds = Thresholds { erosion_percent: args.erosion, allow_missing: args.allow_missing };
@@ -56,5 +56,5 @@ pub fn run(args: &DiffArgs) -> Exit {
             output::print(&format!("{text}\n"));
         }
     }
-    if found.worse { Exit::Failed } else { Exit::Passed }
+    if found.worse { ExitStatus::Failed } else { ExitStatus::Passed }
 }

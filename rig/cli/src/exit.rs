@@ -10,7 +10,7 @@ clean teardown.";
 
 /// How a command ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Exit {
+pub enum ExitStatus {
     /// All passed.
     Passed,
     /// A case failed.
@@ -25,32 +25,32 @@ pub enum Exit {
     Interrupted,
 }
 
-impl Exit {
+impl ExitStatus {
     /// The number that the shell sees.
     pub const fn code(self) -> u8 {
         match self {
-            Exit::Passed => 0,
-            Exit::Failed => 1,
-            Exit::UserFiles => 2,
-            Exit::Inconclusive => 3,
-            Exit::Error => 4,
-            Exit::Interrupted => 130,
+            ExitStatus::Passed => 0,
+            ExitStatus::Failed => 1,
+            ExitStatus::UserFiles => 2,
+            ExitStatus::Inconclusive => 3,
+            ExitStatus::Error => 4,
+            ExitStatus::Interrupted => 130,
         }
     }
 
     /// The exit of a run that came to this.
-    pub const fn of(verdict: Verdict) -> Exit {
+    pub const fn of(verdict: Verdict) -> ExitStatus {
         match verdict {
-            Verdict::Pass | Verdict::None => Exit::Passed,
-            Verdict::Inconclusive => Exit::Inconclusive,
-            Verdict::Fail => Exit::Failed,
-            Verdict::Error => Exit::Error,
+            Verdict::Pass | Verdict::None => ExitStatus::Passed,
+            Verdict::Inconclusive => ExitStatus::Inconclusive,
+            Verdict::Fail => ExitStatus::Failed,
+            Verdict::Error => ExitStatus::Error,
         }
     }
 }
 
-impl From<Exit> for ExitCode {
-    fn from(exit: Exit) -> Self {
+impl From<ExitStatus> for ExitCode {
+    fn from(exit: ExitStatus) -> Self {
         ExitCode::from(exit.code())
     }
 }

@@ -1,7 +1,7 @@
 //! `rig explain`: what a code means, an example and the fix.
 
 use crate::code_pages::{self, CodePage, ExampleRole};
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use clap::Args;
 use document::{Diagnostic, suggest};
@@ -21,21 +21,21 @@ pub struct ExplainArgs {
 }
 
 /// Prints the page of a code, or the list of all.
-pub fn run(args: &ExplainArgs) -> Exit {
+pub fn run(args: &ExplainArgs) -> ExitStatus {
     let pages = code_pages::all();
     let Some(given) = &args.code else {
         pages.iter().for_each(|page| output::print(&format!("{}  {}\n", page.code, page.title)));
-        return Exit::Passed;
+        return ExitStatus::Passed;
     };
     let code = given.trim().to_ascii_uppercase();
     match pages.iter().find(|page| page.code == code) {
         Some(page) => {
             output::print(&show(page));
-            Exit::Passed
+            ExitStatus::Passed
         }
         None => {
             output::findings(&[unknown(given, &code, &pages)], &[]);
-            Exit::UserFiles
+            ExitStatus::UserFiles
         }
     }
 }

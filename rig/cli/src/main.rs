@@ -34,9 +34,9 @@ mod selection;
 mod step;
 mod test;
 
-use args::{Cli, Command};
+use args::{Cli, CliCommand};
 use clap::{CommandFactory, Parser};
-use exit::Exit;
+use exit::ExitStatus;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -49,38 +49,38 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => {
             // Help and version are no fault; everything else is the user's argument.
-            let code = if error.use_stderr() { Exit::UserFiles } else { Exit::Passed };
+            let code = if error.use_stderr() { ExitStatus::UserFiles } else { ExitStatus::Passed };
             let _ = error.print();
             return code.into();
         }
     };
     output::choose_color(cli.color);
     // The dashboard has the screen for itself.
-    if !matches!(cli.command, Command::Dash(_)) {
+    if !matches!(cli.command, CliCommand::Dash(_)) {
         event_log::start();
     }
     let exit = match cli.command {
-        Command::Test(args) => test::run(&args),
-        Command::Check(args) => check::run(&args),
-        Command::Judge(args) => judge::run(&args),
-        Command::Requirements(args) => requirements::run(&args),
-        Command::Report(args) => report::run(&args),
-        Command::Diff(args) => diff::run(&args),
-        Command::History(command) => history::run(&command),
-        Command::Board(command) => board::run(&command),
-        Command::Program(command) => program::run(&command),
-        Command::Doctor(args) => doctor::run(&args),
-        Command::Bench(command) => bench::run(&command),
-        Command::New(args) => new::run(&args),
-        Command::Run(args) => run::run(&args),
-        Command::Ctl(args) => ctl::run(&args),
-        Command::Dash(args) => dash::run(&args),
-        Command::Step(args) => step::run(&args),
-        Command::Explain(args) => explain::run(&args),
-        Command::Schema(args) => schema::run(&args),
-        Command::Plans(command) => plans::run(&command),
-        Command::Completions(args) => completions::run(&args, Cli::command()),
-        Command::Man(args) => completions::man(&args, Cli::command()),
+        CliCommand::Test(args) => test::run(&args),
+        CliCommand::Check(args) => check::run(&args),
+        CliCommand::Judge(args) => judge::run(&args),
+        CliCommand::Requirements(args) => requirements::run(&args),
+        CliCommand::Report(args) => report::run(&args),
+        CliCommand::Diff(args) => diff::run(&args),
+        CliCommand::History(command) => history::run(&command),
+        CliCommand::Board(command) => board::run(&command),
+        CliCommand::Program(command) => program::run(&command),
+        CliCommand::Doctor(args) => doctor::run(&args),
+        CliCommand::Bench(command) => bench::run(&command),
+        CliCommand::New(args) => new::run(&args),
+        CliCommand::Run(args) => run::run(&args),
+        CliCommand::Ctl(args) => ctl::run(&args),
+        CliCommand::Dash(args) => dash::run(&args),
+        CliCommand::Step(args) => step::run(&args),
+        CliCommand::Explain(args) => explain::run(&args),
+        CliCommand::Schema(args) => schema::run(&args),
+        CliCommand::Plans(command) => plans::run(&command),
+        CliCommand::Completions(args) => completions::run(&args, Cli::command()),
+        CliCommand::Man(args) => completions::man(&args, Cli::command()),
     };
     exit.into()
 }

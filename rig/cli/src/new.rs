@@ -1,6 +1,6 @@
 //! `rig new`: a project whose first run passes.
 
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::schema::{SchemaFormat, text as schema};
 use crate::{files, output};
 use clap::Args;
@@ -35,7 +35,7 @@ const SCHEMAS: &[(&str, SchemaFormat)] = &[
 ];
 
 /// Makes a project.
-pub fn run(args: &NewArgs) -> Exit {
+pub fn run(args: &NewArgs) -> ExitStatus {
     let name = name(&args.dir);
     let mut project: Vec<(PathBuf, Vec<u8>)> = TEMPLATE
         .iter()
@@ -46,13 +46,13 @@ pub fn run(args: &NewArgs) -> Exit {
     }
     if let Err(found) = files::write_new(&args.dir, &project) {
         output::findings(&[found], &[]);
-        return Exit::UserFiles;
+        return ExitStatus::UserFiles;
     }
     for (path, _) in &project {
         output::print(&format!("{}\n", args.dir.join(path).display()));
     }
     output::print(&format!("\nNow run: rig test {}\n", args.dir.display()));
-    Exit::Passed
+    ExitStatus::Passed
 }
 
 /// What the project is called: as its folder.

@@ -2,7 +2,7 @@
 
 use crate::code_pages;
 use clap::ValueEnum;
-use control::Fault;
+use control::RequestFault;
 use document::{Diagnostic, SourceFile};
 use std::io::{IsTerminal, Write};
 use std::sync::OnceLock;
@@ -93,7 +93,7 @@ pub fn new_findings(found: &[Diagnostic], shown: &mut Vec<Diagnostic>, sources: 
 }
 
 /// Prints why a rig did not do what it was asked for, on standard error. A newer rig may have codes without a page.
-pub fn fault(fault: &Fault) {
+pub fn fault(fault: &RequestFault) {
     match code_pages::registered(&fault.code) {
         Some(code) => {
             let found = Diagnostic::error(code, fault.message.as_str());

@@ -1,6 +1,6 @@
 //! `rig plans`: the plans that ship.
 
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output::OutputFormat;
 use crate::plan_files::library::{self, ShippedFiles};
 use crate::{files, output};
@@ -14,14 +14,14 @@ use std::path::PathBuf;
 #[derive(Debug, Subcommand)]
 pub enum PlansCommand {
     /// List them with the number of their cases and their titles.
-    List(ListArgs),
+    List(PlansListArgs),
     /// Write them into an empty folder, with the programs and boards that they name.
     Export(ExportArgs),
 }
 
 /// `rig plans list`.
 #[derive(Debug, Args)]
-pub struct ListArgs {
+pub struct PlansListArgs {
     /// How to print.
     #[arg(long, value_enum, default_value_t)]
     format: OutputFormat,
@@ -35,14 +35,14 @@ pub struct ExportArgs {
 }
 
 /// Lists or exports.
-pub fn run(command: &PlansCommand) -> Exit {
+pub fn run(command: &PlansCommand) -> ExitStatus {
     match command {
         PlansCommand::List(args) => list(args.format),
         PlansCommand::Export(args) => export(args),
     }
 }
 
-fn list(format: OutputFormat) -> Exit {
+fn list(format: OutputFormat) -> ExitStatus {
     let mut listed = Vec::new();
     for path in library::plans() {
         let mut sources = Vec::new();
@@ -50,7 +50,7 @@ fn list(format: OutputFormat) -> Exit {
             Ok(loaded) => listed.push(loaded.plan),
             Err(found) => {
                 output::findings(&found, &sources);
-                return Exit::Error;
+                return ExitStatus::Error;
             }
         }
     }
@@ -62,7 +62,7 @@ fn list(format: OutputFormat) -> Exit {
                 .unwrap_or_default()
         )),
     }
-    Exit::Passed
+    ExitStatus::Passed
 }
 
 fn table(plans: &[Plan]) {
@@ -85,18 +85,18 @@ fn describe(plan: &Plan) -> Json {
     })
 }
 
-fn export(args: &ExportArgs) -> Exit {
+fn export(args: &ExportArgs) -> ExitStatus {
     let library = library::files();
     let files =
         library.iter().map(|(path, content)| (path.to_path_buf(), content.to_vec())).collect::<Vec<_>>();
     match files::write_new(&args.dir, &files) {
         Err(found) => {
             output::findings(&[found], &[]);
-            Exit::UserFiles
+            ExitStatus::UserFiles
         }
         Ok(()) => {
             output::print(&format!("{} files in {}\n", files.len(), args.dir.display()));
-            Exit::Passed
+            ExitStatus::Passed
         }
     }
 }

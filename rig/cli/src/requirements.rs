@@ -1,6 +1,6 @@
 //! `rig requirements`.
 
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output::OutputFormat;
 use crate::plan_files::library::{self, REGISTER, ShippedFiles};
 use crate::{output, saved_runs};
@@ -70,7 +70,7 @@ impl ProofStatus {
 
 /// One row of what is printed: a requirement, or one of its clauses.
 #[derive(Debug)]
-struct RequirementRow<'a> {
+struct PrintedRow<'a> {
     id: String,
     asks: &'a str,
     entry: &'a Requirement,
@@ -79,12 +79,12 @@ struct RequirementRow<'a> {
 }
 
 /// Prints the register with what proves it.
-pub fn run(args: &RequirementsArgs) -> Exit {
+pub fn run(args: &RequirementsArgs) -> ExitStatus {
     let register = match RequirementRegister::read(REGISTER) {
         Ok(register) => register,
         Err(error) => {
             output::error(&format!("the register of requirements is broken: {error}"));
-            return Exit::Error;
+            return ExitStatus::Error;
         }
     };
     let record = match &args.report {
@@ -95,22 +95,21 @@ pub fn run(args: &RequirementsArgs) -> Exit {
         Ok(record) => record,
         Err(found) => {
             output::findings(&[found], &[]);
-            return Exit::UserFiles;
+            return ExitStatus::UserFiles;
         }
     };
     let proofs = proofs(&record);
     let unknown: Vec<&str> = proofs.keys().map(String::as_str).filter(|id| !register.knows(id)).collect();
     if !unknown.is_empty() {
         output::error(&format!("cited, but not in the register: {}", unknown.join(", ")));
-        return Exit::UserFiles;
+        return ExitStatus::UserFiles;
     }
-    let rows: Vec<RequirementRow<'_>> =
-        register.entries.iter().flat_map(|entry| rows(entry, &proofs)).collect();
+    let rows: Vec<PrintedRow<'_>> = register.entries.iter().flat_map(|entry| rows(entry, &proofs)).collect();
     match args.format {
         OutputFormat::Json => json(&rows),
         OutputFormat::Table => table(&rows),
     }
-    Exit::Passed
+    ExitStatus::Passed
 }
 
 fn proofs(record: &RunRecord) -> Proofs {
@@ -126,7 +125,7 @@ fn proofs(record: &RunRecord) -> Proofs {
 }
 
 /// The row of a requirement, and after it those of its clauses. With clauses it is proven when each of them is.
-fn rows<'a>(entry: &'a Requirement, proofs: &'a Proofs) -> Vec<RequirementRow<'a>> {
+fn rows<'a>(entry: &'a Requirement, proofs: &'a Proofs) -> Vec<PrintedRow<'a>> {
     let own = row(entry.id.clone(), &entry.asks, entry, &entry.profiles, proofs);
     if entry.clauses.is_empty() {
         return vec![own];
@@ -135,10 +134,10 @@ fn rows<'a>(entry: &'a Requirement, proofs: &'a Proofs) -> Vec<RequirementRow<'a
         let holds = if clause.profiles.is_empty() { &entry.profiles } else { &clause.profiles };
         row(format!("{}#{}", entry.id, clause.id), &clause.asks, entry, holds, proofs)
     });
-    let clauses: Vec<RequirementRow<'_>> = clauses.collect();
+    let clauses: Vec<PrintedRow<'_>> = clauses.collect();
     let least = clauses.iter().map(|row| row.status).max().unwrap_or(ProofStatus::Unproven);
     let failing = own.status == ProofStatus::Failing;
-    let mut rows = vec![RequirementRow { status: if failing { ProofStatus::Failing } else { least }, ..own }];
+    let mut rows = vec![PrintedRow { status: if failing { ProofStatus::Failing } else { least }, ..own }];
     rows.extend(clauses);
     rows
 }
@@ -149,7 +148,7 @@ fn row<'a>(
     entry: &'a Requirement,
     holds: &[Profile],
     proofs: &'a Proofs,
-) -> RequirementRow<'a> {
+) -> PrintedRow<'a> {
     let known = proofs.get(&id);
     let unproven = match entry.class {
         RequirementClass::NotReproducible => ProofStatus::NotReproducible,
@@ -170,13 +169,13 @@ fn row<'a>(
         .into_iter()
         .find(|status| any(*status))
         .unwrap_or(unproven);
-    RequirementRow { id, asks, entry, status, profiles }
+    PrintedRow { id, asks, entry, status, profiles }
 }
 
 /// The cases that prove something of a row: of a requirement also those of its clauses.
-fn cases<'a>(row: &RequirementRow<'a>, all: &[RequirementRow<'a>]) -> Vec<&'a str> {
+fn cases<'a>(row: &PrintedRow<'a>, all: &[PrintedRow<'a>]) -> Vec<&'a str> {
     let of =
-        |other: &&RequirementRow<'a>| other.id == row.id || !row.id.contains('#') && other.entry.id == row.id;
+        |other: &&PrintedRow<'a>| other.id == row.id || !row.id.contains('#') && other.entry.id == row.id;
     let lists = all.iter().filter(of).flat_map(|row| &row.profiles).map(|(.., cases)| *cases);
     let mut names: Vec<&str> = lists.flatten().map(String::as_str).collect();
     names.sort_unstable();
@@ -184,7 +183,7 @@ fn cases<'a>(row: &RequirementRow<'a>, all: &[RequirementRow<'a>]) -> Vec<&'a st
     names
 }
 
-fn json(all: &[RequirementRow<'_>]) {
+fn json(all: &[PrintedRow<'_>]) {
     let rows: Vec<serde_json::Value> = all
         .iter()
         .map(|row| {
@@ -210,7 +209,7 @@ fn json(all: &[RequirementRow<'_>]) {
     output::print(&format!("{text}\n"));
 }
 
-fn table(rows: &[RequirementRow<'_>]) {
+fn table(rows: &[PrintedRow<'_>]) {
     let width = rows.iter().map(|row| row.id.len()).max().unwrap_or(0);
     let names = Profile::ALL.map(Profile::name).join(", ");
     output::print(&format!(
@@ -300,7 +299,7 @@ mod tests {
             });
         }
         let proofs = proofs(&record);
-        let rows: Vec<RequirementRow<'_>> =
+        let rows: Vec<PrintedRow<'_>> =
             register.entries.iter().flat_map(|entry| rows(entry, &proofs)).collect();
         rows.iter().map(|row| (row.id.clone(), row.status.word())).collect()
     }

@@ -2,7 +2,7 @@
 
 use clap::Args;
 use control::client::{PATIENCE, by_name, only};
-use control::{Client, ClientError};
+use control::{ClientError, ControlClient};
 use runtime::suite::{self, Disk};
 use signal::Span;
 use std::io::ErrorKind;
@@ -30,8 +30,8 @@ impl RigAddress {
     /// Connects under a name, once the rig is there if it may be waited for.
     ///
     /// # Errors
-    /// See [`Client::connect`]; and nobody said which rig, and there is none or more than one.
-    pub fn connect(&self, name: &str) -> Result<Client, ClientError> {
+    /// See [`ControlClient::connect`]; and nobody said which rig, and there is none or more than one.
+    pub fn connect(&self, name: &str) -> Result<ControlClient, ClientError> {
         let mut client = self.open()?;
         client.hello(name)?;
         Ok(client)
@@ -41,7 +41,7 @@ impl RigAddress {
     ///
     /// # Errors
     /// See [`RigAddress::connect`].
-    pub fn open(&self) -> Result<Client, ClientError> {
+    pub fn open(&self) -> Result<ControlClient, ClientError> {
         let patience =
             self.wait.map_or(Duration::ZERO, |wait| Duration::from_nanos(wait.as_nanos().unsigned_abs()));
         let until = Instant::now() + patience;
@@ -53,10 +53,10 @@ impl RigAddress {
         }
     }
 
-    fn now(&self) -> Result<Client, ClientError> {
+    fn now(&self) -> Result<ControlClient, ClientError> {
         match (&self.socket, &self.board) {
-            (Some(socket), _) => Client::meet(socket, PATIENCE),
-            (None, Some(board)) => Client::meet(&socket_of_board(board), PATIENCE),
+            (Some(socket), _) => ControlClient::meet(socket, PATIENCE),
+            (None, Some(board)) => ControlClient::meet(&socket_of_board(board), PATIENCE),
             (None, None) => only(),
         }
     }

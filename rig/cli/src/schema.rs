@@ -1,6 +1,6 @@
 //! `rig schema`: what editors complete and check by.
 
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use clap::{Args, ValueEnum};
 use drivers::file::KEYS as BOARD_KEYS;
@@ -28,9 +28,9 @@ pub enum SchemaFormat {
 }
 
 /// Prints a schema.
-pub fn run(args: &SchemaArgs) -> Exit {
+pub fn run(args: &SchemaArgs) -> ExitStatus {
     output::print(&text(args.of));
-    Exit::Passed
+    ExitStatus::Passed
 }
 
 /// The schema of a format as the text of a file.

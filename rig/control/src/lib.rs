@@ -1,9 +1,9 @@
 //! The protocol of the control socket: lines of JSON between a rig that runs and those who look at it and work it.
 //!
 //! A rig greets whoever connects with one line ([`Greeting`]). Then each line of a client is a [`Request`], answered by
-//! one line with the request's number ([`Reply`]); subscriptions bring further lines by themselves ([`Event`]). The
+//! one line with the request's number ([`Reply`]); subscriptions bring further lines by themselves ([`SubscriptionEvent`]). The
 //! protocol has a version: [`PROTOCOL`]. A rig that takes nobody more sends a [`Reply`] with a fault in place of the
-//! greeting. Requests of one client are done one after the other and answered in their order; [`Done`], [`Values`] and
+//! greeting. Requests of one client are done one after the other and answered in their order; [`Done`], [`SignalValues`] and
 //! their neighbours say what an answer holds.
 //!
 //! Goals: a person can read it, a script can write it, and neither side can make the other grow without bound. Not a
@@ -15,14 +15,15 @@ mod message;
 pub mod place;
 mod value;
 
-pub use client::{Client, ClientError};
+pub use client::{ClientError, ControlClient};
 pub use codes::CODES;
 pub use message::{
-    Action, Advanced, BusInfo, BusStatus, Change, Channel, Clock, Description, DeviceInfo, DeviceStatus,
-    Direction, Done, Event, Fault, Forced, Forces, FrameSeen, FunctionInfo, Greeting, Led, Locked, LogLine,
-    Measured, Message, Operation, PlanEvent, PlanStatus, Plans, Point, PointStatus, REQUEST_FIELDS, Reply,
-    Request, RigStatus, Signal, SignalKind, Status, StatusWarning, Subject, Subscribed, TOPIC_FIELDS,
-    TaskInfo, TaskStatus, Topic, Values,
+    Advanced, BusInfo, BusStatus, ChannelInfo, ControllerAction, Description, DeviceInfo, DeviceStatus, Done,
+    ForcedPoint, Forces, FrameSeen, FunctionInfo, Greeting, LedStatus, Locked, Measured, PlanEvent,
+    PlanStatus, Plans, PointDirection, PointInfo, PointStatus, REQUEST_FIELDS, Reply, Request, RequestFault,
+    RequestOperation, RigLogLine, RigStatus, ServerMessage, Signal, SignalChange, SignalKind, SignalValues,
+    Status, StatusWarning, SubjectKind, Subscribed, SubscriptionEvent, TOPIC_FIELDS, TaskInfo, TaskStatus,
+    TimeSource, Topic,
 };
 pub use signal::{Span, Value};
 pub use value::WireValue;

@@ -2,7 +2,8 @@
 
 use control::client::{answer, running};
 use control::{
-    Client, ClientError, Done, Event, Greeting, Message, Operation, PROTOCOL, Plans, Reply, Status, Topic,
+    ClientError, ControlClient, Done, Greeting, PROTOCOL, Plans, Reply, RequestOperation, ServerMessage,
+    Status, SubscriptionEvent, Topic,
 };
 use scanrig_control as control;
 use std::io::{BufRead, BufReader, Write};
@@ -45,8 +46,8 @@ impl Fake {
         self.folder.path().join("fake.sock")
     }
 
-    fn client(&self) -> Result<Client, ClientError> {
-        Client::connect(&self.socket(), "test")
+    fn client(&self) -> Result<ControlClient, ClientError> {
+        ControlClient::connect(&self.socket(), "test")
     }
 
     fn end(self) {
@@ -67,8 +68,8 @@ fn say(lines: &mut BufReader<UnixStream>, text: &str) {
     lines.get_mut().write_all(format!("{text}\n").as_bytes()).unwrap();
 }
 
-fn log(text: &str) -> Event {
-    Event::Log { subscription: 1, at: 5, text: text.to_owned() }
+fn log(text: &str) -> SubscriptionEvent {
+    SubscriptionEvent::Log { subscription: 1, at: 5, text: text.to_owned() }
 }
 
 #[test]
@@ -83,7 +84,7 @@ fn events_beside_an_answer_are_kept_in_their_order() {
     });
     let mut client = fake.client().unwrap();
     assert_eq!(client.greeting().client, 3);
-    let got = client.ask::<control::Subscribed>(Operation::Subscribe { topic: Topic::Log }).unwrap();
+    let got = client.ask::<control::Subscribed>(RequestOperation::Subscribe { topic: Topic::Log }).unwrap();
     assert_eq!(got.subscription, 1);
     assert_eq!(client.next(PATIENCE), Ok(Some(log("one"))));
     assert_eq!(client.next(PATIENCE), Ok(Some(log("two"))));
@@ -101,9 +102,9 @@ fn an_answer_that_comes_too_late_is_not_taken_for_the_next() {
         say(&mut lines, r#"{"id":3,"ok":{"plans":["a"]}}"#);
     });
     let mut client = fake.client().unwrap();
-    let silent = client.ask_within::<Done>(Operation::Abort, SOON).unwrap_err();
+    let silent = client.ask_within::<Done>(RequestOperation::Abort, SOON).unwrap_err();
     assert_eq!(silent.fault().code, "R0647");
-    let plans: Plans = client.ask(Operation::Plans { path: None }).unwrap();
+    let plans: Plans = client.ask(RequestOperation::Plans { path: None }).unwrap();
     assert_eq!(plans.plans, ["a"]);
     fake.end();
 }
@@ -117,9 +118,9 @@ fn a_refusal_keeps_its_code() {
         say(&mut lines, r#"{"id":3,"ok":{"at":"noon"}}"#);
     });
     let mut client = fake.client().unwrap();
-    let refused = client.ask::<Status>(Operation::Status).unwrap_err();
+    let refused = client.ask::<Status>(RequestOperation::Status).unwrap_err();
     assert_eq!((&*refused.fault().code, &*refused.fault().message), ("R0601", "no"));
-    let garbled = client.ask::<Status>(Operation::Status).unwrap_err();
+    let garbled = client.ask::<Status>(RequestOperation::Status).unwrap_err();
     assert_eq!(garbled.fault().code, "R0648");
     fake.end();
 }
@@ -166,7 +167,7 @@ fn who_is_no_rig_of_this_protocol_is_distinguished_from_one() {
         assert_eq!(fake.client().unwrap_err().fault().code, code, "{first}");
         fake.end();
     }
-    let nowhere = Client::connect(&PathBuf::from("/nowhere/at/all.sock"), "test").unwrap_err();
+    let nowhere = ControlClient::connect(&PathBuf::from("/nowhere/at/all.sock"), "test").unwrap_err();
     assert_eq!(nowhere.fault().code, "R0642");
 }
 
@@ -185,7 +186,7 @@ fn lines_arrive_whole_however_they_are_cut() {
     });
     let mut client = fake.client().unwrap();
     for place in 0..200_usize {
-        let Some(Event::Log { at, text, .. }) = client.next(PATIENCE).unwrap() else {
+        let Some(SubscriptionEvent::Log { at, text, .. }) = client.next(PATIENCE).unwrap() else {
             panic!("no line {place}")
         };
         assert_eq!((at, text.len()), (i64::try_from(place).unwrap(), place * 37));
@@ -195,25 +196,25 @@ fn lines_arrive_whole_however_they_are_cut() {
 
 #[test]
 fn a_message_is_recognised_by_what_it_has() {
-    let read = |text: &str| Message::read(text.as_bytes());
-    assert!(matches!(read(r#"{"ok":{},"id":4}"#), Ok(Some(Message::Reply(Reply { id: Some(4), .. })))));
+    let read = |text: &str| ServerMessage::read(text.as_bytes());
+    assert!(matches!(read(r#"{"ok":{},"id":4}"#), Ok(Some(ServerMessage::Reply(Reply { id: Some(4), .. })))));
     assert!(matches!(
         read(r#"{"subscription":2,"lines":3,"event":"missed"}"#),
-        Ok(Some(Message::Event(Event::Missed { lines: 3, .. })))
+        Ok(Some(ServerMessage::Event(SubscriptionEvent::Missed { lines: 3, .. })))
     ));
     assert!(matches!(read(r#"{"event":"later","x":1}"#), Ok(None)));
     assert!(read(r#"{"event":"missed","subscription":2}"#).is_err());
     assert!(read("[]").is_err() && read("").is_err() && read("{\"event\":7}").is_err());
     let all = [
-        Event::Signals { subscription: 1, changes: vec![], missed: 0 },
-        Event::Status { subscription: 1, status: Box::default() },
+        SubscriptionEvent::Signals { subscription: 1, changes: vec![], missed: 0 },
+        SubscriptionEvent::Status { subscription: 1, status: Box::default() },
         log("x"),
-        Event::Missed { subscription: 1, lines: 1 },
-        Event::Gone { why: String::new() },
+        SubscriptionEvent::Missed { subscription: 1, lines: 1 },
+        SubscriptionEvent::Gone { why: String::new() },
     ];
     for event in all {
         let text = serde_json::to_string(&event).unwrap();
-        assert_eq!(read(&text).unwrap(), Some(Message::Event(event)), "{text}");
+        assert_eq!(read(&text).unwrap(), Some(ServerMessage::Event(event)), "{text}");
     }
 }
 

@@ -303,9 +303,9 @@ impl std::fmt::Debug for Doing {
 }
 
 impl Endpoint for Doing {
-    fn enter(&mut self, _: Time, _: PortLife, _: &mut Outbox) {}
+    fn enter(&mut self, _: Time, _: PortLife, _: &mut PortOutbox) {}
 
-    fn receive(&mut self, _: Time, _: &PortEvent, _: &mut Outbox) {
+    fn receive(&mut self, _: Time, _: &PortEvent, _: &mut PortOutbox) {
         self.waiting += 1;
     }
 
@@ -313,13 +313,13 @@ impl Endpoint for Doing {
         Time::MAX
     }
 
-    fn fire(&mut self, _: Time, _: &mut Outbox) {}
+    fn fire(&mut self, _: Time, _: &mut PortOutbox) {}
 
     fn work(&self) -> Option<Span> {
         (self.waiting > 0).then_some(us(100))
     }
 
-    fn step(&mut self, _: Time, registers: &mut dyn RegisterAccess, _: &mut Outbox) {
+    fn step(&mut self, _: Time, registers: &mut dyn RegisterAccess, _: &mut PortOutbox) {
         self.waiting -= 1;
         (self.step)(registers);
     }
@@ -439,7 +439,7 @@ struct Seen {
 }
 
 impl Endpoint for Announcer {
-    fn enter(&mut self, now: Time, life: PortLife, outbox: &mut Outbox) {
+    fn enter(&mut self, now: Time, life: PortLife, outbox: &mut PortOutbox) {
         let PortLife::State(state) = life else { return };
         self.seen.lock().unwrap().waited.push(outbox.len());
         for wait in [0, 5, 10_000] {
@@ -447,13 +447,13 @@ impl Endpoint for Announcer {
         }
     }
 
-    fn receive(&mut self, _: Time, _: &PortEvent, _: &mut Outbox) {}
+    fn receive(&mut self, _: Time, _: &PortEvent, _: &mut PortOutbox) {}
 
     fn next(&self) -> Time {
         self.due
     }
 
-    fn fire(&mut self, now: Time, _: &mut Outbox) {
+    fn fire(&mut self, now: Time, _: &mut PortOutbox) {
         self.seen.lock().unwrap().fired.push(now);
         self.due = now + ms(10);
     }
@@ -462,7 +462,7 @@ impl Endpoint for Announcer {
         None
     }
 
-    fn step(&mut self, _: Time, _: &mut dyn RegisterAccess, _: &mut Outbox) {}
+    fn step(&mut self, _: Time, _: &mut dyn RegisterAccess, _: &mut PortOutbox) {}
 }
 
 /// What waited is gone before the endpoint learns that there is no power, what it sends then goes nowhere, and its time does

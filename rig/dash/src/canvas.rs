@@ -195,7 +195,7 @@ pub fn chosen() -> Style {
 
 /// A column of a table.
 #[derive(Clone, Copy, Debug)]
-pub struct Column {
+pub struct CanvasColumn {
     /// Its title.
     pub title: &'static str,
     /// Its width.
@@ -207,12 +207,12 @@ pub struct Column {
 }
 
 /// A column.
-pub const fn column(title: &'static str, width: u16, right: bool, from: u16) -> Column {
-    Column { title, width, right, from }
+pub const fn column(title: &'static str, width: u16, right: bool, from: u16) -> CanvasColumn {
+    CanvasColumn { title, width, right, from }
 }
 
 /// Writes the titles of a table.
-pub fn titles(canvas: &mut Canvas<'_>, y: u16, columns: &[Column]) {
+pub fn titles(canvas: &mut Canvas<'_>, y: u16, columns: &[CanvasColumn]) {
     cells(canvas, y, columns, columns.iter().map(|column| column.title.to_owned()), bold());
 }
 
@@ -220,7 +220,7 @@ pub fn titles(canvas: &mut Canvas<'_>, y: u16, columns: &[Column]) {
 pub fn cells(
     canvas: &mut Canvas<'_>,
     y: u16,
-    columns: &[Column],
+    columns: &[CanvasColumn],
     texts: impl IntoIterator<Item = String>,
     style: Style,
 ) {

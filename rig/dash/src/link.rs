@@ -1,7 +1,7 @@
 //! The connection to the rig: a thread that listens, and tries again where there is none.
 
-use control::client::{Client, ClientError, Sender};
-use control::{Greeting, Message, Operation};
+use control::client::{ClientError, ControlClient, Sender};
+use control::{Greeting, RequestOperation, ServerMessage};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender};
@@ -19,7 +19,7 @@ pub(crate) enum LinkEvent {
     /// There is a connection.
     Connected(Box<Greeting>, Sender),
     /// Something was sent.
-    Message(Message),
+    Message(ServerMessage),
     /// There is none.
     Disconnected(ClientError),
 }
@@ -27,7 +27,7 @@ pub(crate) enum LinkEvent {
 /// Listens to the rig at a socket until nobody wants it any more: `end` is closed, or nothing takes what it hands on.
 pub(crate) fn listen<T: From<LinkEvent>>(socket: PathBuf, events: &SyncSender<T>, end: &Receiver<()>) {
     loop {
-        let disconnected = match Client::connect(&socket, NAME) {
+        let disconnected = match ControlClient::connect(&socket, NAME) {
             Ok(client) => {
                 let greeting = Box::new(client.greeting().clone());
                 let (sender, mut receiver) = client.split();
@@ -80,7 +80,7 @@ impl RequestSender {
     }
 
     /// Sends a request. One that cannot be sent ends the connection, which the other half reports.
-    pub fn send(&mut self, number: u64, ask: Operation) {
+    pub fn send(&mut self, number: u64, ask: RequestOperation) {
         let Some(sender) = &mut self.sender else { return };
         match sender.send(ask) {
             Ok(sent) => drop(self.numbers.insert(sent, number)),

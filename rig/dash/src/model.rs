@@ -1,6 +1,6 @@
 //! What the dashboard knows of the rig: the mirror that messages fill and views draw from.
 
-use control::{Clock, Description, Forced, FrameSeen, PlanEvent, PlanStatus, Status, WireValue};
+use control::{Description, ForcedPoint, FrameSeen, PlanEvent, PlanStatus, Status, TimeSource, WireValue};
 use std::collections::{BTreeMap, VecDeque};
 
 /// Lines of the log, and frames, that are kept.
@@ -11,7 +11,7 @@ const KEPT_OF_PLAN: usize = 20_000;
 
 /// The mirror of the rig.
 #[derive(Clone, Debug, Default)]
-pub struct Model {
+pub struct RigModel {
     /// What it is.
     pub description: Description,
     /// How it is.
@@ -32,9 +32,9 @@ pub struct Model {
     pub gone: Option<String>,
 }
 
-impl Model {
+impl RigModel {
     /// What is forced at an address.
-    pub fn forced(&self, address: &str) -> Option<&Forced> {
+    pub fn forced(&self, address: &str) -> Option<&ForcedPoint> {
         self.status.forced.iter().find(|forced| forced.address == address)
     }
 
@@ -46,7 +46,7 @@ impl Model {
 
     /// So much time passed since the status came.
     pub(crate) fn pass(&mut self, nanos: i64) {
-        if self.description.clock == Clock::Real && self.gone.is_none() {
+        if self.description.clock == TimeSource::Real && self.gone.is_none() {
             self.now = self.status.at.saturating_add(nanos);
         }
     }

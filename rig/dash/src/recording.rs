@@ -1,7 +1,7 @@
 //! What a trend recorded, and who reads and writes files: the dashboard itself knows no format.
 
 use crate::frame_decoder::FrameDecoder;
-use control::{Fault, SignalKind, WireValue};
+use control::{RequestFault, SignalKind, WireValue};
 
 /// What was recorded.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -47,17 +47,17 @@ pub trait TrendFiles: std::fmt::Debug {
     ///
     /// # Errors
     /// An ending that is not known, a file that is there or cannot be written.
-    fn save(&self, path: &str, recording: &TrendRecording) -> Result<(), Fault>;
+    fn save(&self, path: &str, recording: &TrendRecording) -> Result<(), RequestFault>;
 
     /// Reads one.
     ///
     /// # Errors
     /// A file that cannot be read or understood.
-    fn load(&self, path: &str) -> Result<TrendRecording, Fault>;
+    fn load(&self, path: &str) -> Result<TrendRecording, RequestFault>;
 
     /// Reads what frames mean.
     ///
     /// # Errors
     /// A file that cannot be read or understood.
-    fn decoder(&self, path: &str) -> Result<Box<dyn FrameDecoder>, Fault>;
+    fn decoder(&self, path: &str) -> Result<Box<dyn FrameDecoder>, RequestFault>;
 }

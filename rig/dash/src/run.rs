@@ -6,7 +6,7 @@ use crate::recording::TrendFiles;
 use crate::shell::{LoopCommand, RigMessage, Shell};
 use crate::terminal::TerminalScreen;
 use crate::views;
-use control::{Clock, Message};
+use control::{ServerMessage, TimeSource};
 use ratatui::crossterm::event::{self, Event, KeyEventKind};
 use std::io;
 use std::path::PathBuf;
@@ -142,7 +142,7 @@ impl Dashboard {
     /// Whether something moves on the screen although the rig says nothing: its indicators flash by the clock.
     fn is_moving(&self) -> bool {
         let model = self.shell.model();
-        model.description.clock == Clock::Real && model.status.leds.iter().any(|led| led.times.is_some())
+        model.description.clock == TimeSource::Real && model.status.leds.iter().any(|led| led.times.is_some())
     }
 
     fn take(&mut self, event: LoopEvent) -> io::Result<()> {
@@ -161,13 +161,13 @@ impl Dashboard {
                 self.requests.disconnected();
                 self.shell.receive(RigMessage::Disconnected(error.to_string()));
             }
-            LoopEvent::Rig(LinkEvent::Message(Message::Event(event))) => {
-                if let control::Event::Status { .. } = event {
+            LoopEvent::Rig(LinkEvent::Message(ServerMessage::Event(event))) => {
+                if let control::SubscriptionEvent::Status { .. } = event {
                     self.last_status = Instant::now();
                 }
                 self.shell.receive(RigMessage::Event(event));
             }
-            LoopEvent::Rig(LinkEvent::Message(Message::Reply(mut reply))) => {
+            LoopEvent::Rig(LinkEvent::Message(ServerMessage::Reply(mut reply))) => {
                 reply.id = reply.id.and_then(|sent| self.requests.number_of(sent));
                 self.shell.receive(RigMessage::Reply(reply));
             }
@@ -178,7 +178,7 @@ impl Dashboard {
     /// Sends what is to be sent, and does what the shell wants of the program around it. Whether it is over.
     fn settle(&mut self, suspend: fn()) -> io::Result<bool> {
         for request in self.shell.take_requests() {
-            if let control::Operation::Leave { .. } = request.ask {
+            if let control::RequestOperation::Leave { .. } = request.ask {
                 self.leaving.get_or_insert_with(Instant::now);
             }
             self.requests.send(request.id, request.ask);

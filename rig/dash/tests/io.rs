@@ -2,7 +2,7 @@
 
 use crate::sample;
 use crate::setup::{DashboardSetup, LOOK, SMALL};
-use control::{Operation, Value, WireValue};
+use control::{RequestOperation, Value, WireValue};
 use ratatui::crossterm::event::KeyCode;
 
 fn setup() -> DashboardSetup {
@@ -23,10 +23,10 @@ fn row(setup: &mut DashboardSetup, name: &str) -> String {
 fn a_force_proposes_the_other_value() {
     let mut setup = setup();
     setup.press("f").key(KeyCode::Enter);
-    assert_eq!(setup.asked, [Operation::Force { name: "%IX0.0".to_owned(), value: OFF }]);
+    assert_eq!(setup.asked, [RequestOperation::Force { name: "%IX0.0".to_owned(), value: OFF }]);
     assert!(setup.screen().contains("%IX0.0 is forced to FALSE"));
     setup.key(KeyCode::Down).press("f").key(KeyCode::Enter);
-    assert_eq!(setup.asked[1], Operation::Force { name: "%IX0.1".to_owned(), value: ON });
+    assert_eq!(setup.asked[1], RequestOperation::Force { name: "%IX0.1".to_owned(), value: ON });
     setup.press("f").control('u').enter("maybe");
     assert_eq!(setup.asked.len(), 2);
     assert!(setup.screen().contains("`maybe` is not a valid value: type TRUE or FALSE, 1 or 0"));
@@ -39,9 +39,9 @@ fn what_is_forced_is_marked_and_can_be_released() {
     setup.press("r");
     assert!(setup.asked.is_empty() && setup.screen().contains("this is not forced"));
     setup.click("I3").press("r");
-    assert_eq!(setup.asked, [Operation::Release { name: "%IX0.3".to_owned() }]);
+    assert_eq!(setup.asked, [RequestOperation::Release { name: "%IX0.3".to_owned() }]);
     setup.press("R").press("y");
-    assert_eq!(setup.asked[1], Operation::ReleaseAll);
+    assert_eq!(setup.asked[1], RequestOperation::ReleaseAll);
 }
 
 #[test]
@@ -49,7 +49,7 @@ fn values_are_written_to_variables_as_they_are() {
     let mut setup = setup();
     setup.press("v/").enter("speed").press("w").control('u').enter("1.5");
     let (name, value) = ("main.speed".to_owned(), WireValue(Value::Real(1.5)));
-    assert_eq!(setup.asked, [Operation::Write { name, value }]);
+    assert_eq!(setup.asked, [RequestOperation::Write { name, value }]);
 }
 
 #[test]

@@ -6,24 +6,24 @@ use control::*;
 const MS: i64 = 1_000_000;
 const SECOND: i64 = 1_000 * MS;
 
-fn point(name: &str, address: Option<&str>, variable: Option<&str>, kind: SignalKind) -> Point {
+fn point(name: &str, address: Option<&str>, variable: Option<&str>, kind: SignalKind) -> PointInfo {
     let direction = match address {
-        Some(address) if address.starts_with("%I") => Direction::Input,
-        Some(_) => Direction::Output,
-        None => Direction::Loose,
+        Some(address) if address.starts_with("%I") => PointDirection::Input,
+        Some(_) => PointDirection::Output,
+        None => PointDirection::Loose,
     };
     let unit = if kind == SignalKind::Bool { "" } else { "V" };
-    Point {
+    PointInfo {
         name: name.to_owned(),
         address: address.map(str::to_owned),
         variable: variable.map(str::to_owned),
         direction,
         kind,
-        channel: Some(Channel {
+        channel: Some(ChannelInfo {
             name: format!("line-{}", name.to_lowercase()),
             unit: unit.to_owned(),
             device: Some(usize::from(kind != SignalKind::Bool)),
-            drives: direction != Direction::Output,
+            drives: direction != PointDirection::Output,
         }),
         image: address.map(str::to_owned),
         forcible: address.is_some() && kind == SignalKind::Bool,
@@ -40,8 +40,8 @@ fn signal(number: u32, name: &str, kind: SignalKind, unit: &str) -> Signal {
     Signal { number, name: name.to_owned(), kind, unit: unit.to_owned(), labels, writable }
 }
 
-fn led(name: &str, pattern: &str, times: Option<(i64, i64)>) -> Led {
-    Led { name: name.to_owned(), pattern: pattern.to_owned(), times, since: 0 }
+fn led(name: &str, pattern: &str, times: Option<(i64, i64)>) -> LedStatus {
+    LedStatus { name: name.to_owned(), pattern: pattern.to_owned(), times, since: 0 }
 }
 
 fn task(interval: i64, priority: u8, name: &str) -> TaskInfo {
@@ -55,7 +55,7 @@ fn task(interval: i64, priority: u8, name: &str) -> TaskInfo {
     }
 }
 
-fn points() -> Vec<Point> {
+fn points() -> Vec<PointInfo> {
     let mut points = Vec::new();
     for n in 0..14 {
         let variable = ["start", "stop", "part", "gate"].get(n).copied();
@@ -79,8 +79,8 @@ pub fn description() -> Description {
         reference: "TM241CEC24T".to_owned(),
         profile: "m241-2024".to_owned(),
         program: vec!["conveyor.st".to_owned()],
-        clock: Clock::Real,
-        subject: Subject::Model,
+        clock: TimeSource::Real,
+        subject: SubjectKind::Model,
         points: points(),
         signals: vec![
             signal(100, "state", SignalKind::State, ""),
@@ -130,8 +130,11 @@ pub fn status() -> Status {
     };
     let slow = TaskStatus { cycles: 190, last: 9 * MS, overruns: 2, load: 180, ..mast.clone() };
     let on = |on| WireValue(Value::Bool(on));
-    let forced =
-        |address: &str, value| Forced { address: address.to_owned(), value, by: Some("rig dash".to_owned()) };
+    let forced = |address: &str, value| ForcedPoint {
+        address: address.to_owned(),
+        value,
+        by: Some("rig dash".to_owned()),
+    };
     let mut points = vec![PointStatus::default(); points().len()];
     points[2] = PointStatus { rising: 37, falling: 36, lost: false };
     points[14] = PointStatus { rising: 5, falling: 4, lost: false };
@@ -195,7 +198,7 @@ pub fn rig() -> ScriptedRig {
         rig.signals.insert(signal.name.clone(), (SECOND, WireValue(value)));
     }
     rig.log = [(0, "ready"), (1_200, "RUNNING"), (9_400, "the device `adc` is lost")]
-        .map(|(at, text)| LogLine { at: at * MS, text: text.to_owned() })
+        .map(|(at, text)| RigLogLine { at: at * MS, text: text.to_owned() })
         .to_vec();
     rig.plans = vec!["lamp".to_owned(), "conveyor/start".to_owned(), "conveyor/stop".to_owned()];
     rig.description = description;

@@ -1,8 +1,8 @@
 //! A dashboard on a terminal that is none, and a rig that answers from what it was set up to say.
 
 use control::{
-    Change, Description, Event, Fault, Greeting, LogLine, Operation, PROTOCOL, PlanEvent, Plans, Reply,
-    Request, Signal, SignalKind, Status, Subscribed, Topic, WireValue,
+    Description, Greeting, PROTOCOL, PlanEvent, Plans, Reply, Request, RequestFault, RequestOperation,
+    RigLogLine, Signal, SignalChange, SignalKind, Status, Subscribed, SubscriptionEvent, Topic, WireValue,
 };
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
@@ -33,23 +33,23 @@ impl TrendFiles for MemoryFiles {
         &["vcd", "csv"]
     }
 
-    fn save(&self, path: &str, recording: &TrendRecording) -> Result<(), Fault> {
+    fn save(&self, path: &str, recording: &TrendRecording) -> Result<(), RequestFault> {
         if self.0.borrow_mut().insert(path.to_owned(), recording.clone()).is_some() {
             let message = format!("there is a file {path}");
-            return Err(Fault { code: "R0680".to_owned(), message, help: String::new() });
+            return Err(RequestFault { code: "R0680".to_owned(), message, help: String::new() });
         }
         Ok(())
     }
 
-    fn load(&self, path: &str) -> Result<TrendRecording, Fault> {
+    fn load(&self, path: &str) -> Result<TrendRecording, RequestFault> {
         let message = format!("there is no file {path}");
-        let none = Fault { code: "R0681".to_owned(), message, help: String::new() };
+        let none = RequestFault { code: "R0681".to_owned(), message, help: String::new() };
         self.0.borrow().get(path).cloned().ok_or(none)
     }
 
-    fn decoder(&self, path: &str) -> Result<Box<dyn FrameDecoder>, Fault> {
+    fn decoder(&self, path: &str) -> Result<Box<dyn FrameDecoder>, RequestFault> {
         let (code, message) = ("R0683".to_owned(), format!("{path} cannot be read"));
-        Err(Fault { code, message, help: String::new() })
+        Err(RequestFault { code, message, help: String::new() })
     }
 }
 
@@ -65,11 +65,11 @@ pub struct ScriptedRig {
     pub status: Status,
     /// Signals by their names, with their values and since when.
     pub signals: BTreeMap<String, (i64, WireValue)>,
-    pub log: Vec<LogLine>,
+    pub log: Vec<RigLogLine>,
     pub plan: Vec<PlanEvent>,
     pub plans: Vec<String>,
     /// What it answers to an order in place of doing it.
-    pub fault: Option<Fault>,
+    pub fault: Option<RequestFault>,
 }
 
 /// A dashboard before such a rig.
@@ -78,7 +78,7 @@ pub struct DashboardSetup {
     pub shell: Shell,
     pub rig: ScriptedRig,
     /// What the rig was asked, subscriptions apart.
-    pub asked: Vec<Operation>,
+    pub asked: Vec<RequestOperation>,
     pub wants: Vec<LoopCommand>,
     /// Names of the subscriptions to signals, by their numbers.
     pub subscriptions: BTreeMap<u64, (Vec<String>, bool)>,
@@ -142,12 +142,12 @@ impl DashboardSetup {
         }
     }
 
-    fn answer_to(&mut self, ask: Operation) -> Result<serde_json::Value, Fault> {
+    fn answer_to(&mut self, ask: RequestOperation) -> Result<serde_json::Value, RequestFault> {
         let json = |of: serde_json::Result<serde_json::Value>| Ok(of.unwrap());
         match ask {
-            Operation::Hello { .. } => Ok(serde_json::json!({})),
-            Operation::Describe => json(serde_json::to_value(&self.rig.description)),
-            Operation::Subscribe { topic } => {
+            RequestOperation::Hello { .. } => Ok(serde_json::json!({})),
+            RequestOperation::Describe => json(serde_json::to_value(&self.rig.description)),
+            RequestOperation::Subscribe { topic } => {
                 self.next += 1;
                 let mut answer = Subscribed { subscription: self.next, ..Subscribed::default() };
                 match &topic {
@@ -156,11 +156,15 @@ impl DashboardSetup {
                             let place = self.rig.signals.keys().position(|known| known == name);
                             let Some(place) = place else {
                                 let message = format!("nothing is called `{name}`");
-                                return Err(Fault { code: "R0600".to_owned(), message, help: String::new() });
+                                return Err(RequestFault {
+                                    code: "R0600".to_owned(),
+                                    message,
+                                    help: String::new(),
+                                });
                             };
                             let (at, value) = self.rig.signals[name];
                             answer.signals.push(signal(place as u32, name));
-                            answer.values.push(Change(place as u32, at, at, value));
+                            answer.values.push(SignalChange(place as u32, at, at, value));
                         }
                         self.subscriptions.insert(self.next, (names.clone(), *all));
                     }
@@ -171,12 +175,14 @@ impl DashboardSetup {
                 self.others.insert(self.next, topic);
                 json(serde_json::to_value(&answer))
             }
-            Operation::Unsubscribe { subscription } => {
+            RequestOperation::Unsubscribe { subscription } => {
                 self.subscriptions.remove(&subscription);
                 self.others.remove(&subscription);
                 Ok(serde_json::json!({}))
             }
-            Operation::Plans { .. } => json(serde_json::to_value(Plans { plans: self.rig.plans.clone() })),
+            RequestOperation::Plans { .. } => {
+                json(serde_json::to_value(Plans { plans: self.rig.plans.clone() }))
+            }
             other => {
                 self.asked.push(other);
                 self.rig.fault.take().map_or(Ok(serde_json::json!({})), Err)
@@ -186,7 +192,7 @@ impl DashboardSetup {
 
     /// The rig sends its status.
     pub fn report_status(&mut self) {
-        self.report(Event::Status { subscription: 0, status: Box::new(self.rig.status.clone()) });
+        self.report(SubscriptionEvent::Status { subscription: 0, status: Box::new(self.rig.status.clone()) });
     }
 
     /// A signal changes; all who subscribed to it are sent it.
@@ -199,13 +205,13 @@ impl DashboardSetup {
             .filter_map(|(number, (names, _))| names.iter().any(|n| n == name).then_some(*number))
             .collect();
         for subscription in whose {
-            let changes = vec![Change(place, at, at, value)];
-            self.report(Event::Signals { subscription, changes, missed: 0 });
+            let changes = vec![SignalChange(place, at, at, value)];
+            self.report(SubscriptionEvent::Signals { subscription, changes, missed: 0 });
         }
     }
 
     /// The rig sends something.
-    pub fn report(&mut self, event: Event) {
+    pub fn report(&mut self, event: SubscriptionEvent) {
         self.shell.receive(RigMessage::Event(event));
         self.answer();
     }

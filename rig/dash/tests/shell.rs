@@ -2,7 +2,10 @@
 
 use crate::sample;
 use crate::setup::{DashboardSetup, LOOK, PLAIN, SMALL, views};
-use control::{Action, Event, Fault, Forces, Locked, Operation, StatusWarning, Value, WireValue};
+use control::{
+    ControllerAction, Forces, Locked, RequestFault, RequestOperation, StatusWarning, SubscriptionEvent,
+    Value, WireValue,
+};
 use ratatui::crossterm::event::KeyCode;
 use scanrig_dash::{LoopCommand, RigMessage, Shell};
 
@@ -18,7 +21,7 @@ fn what_moves_outputs_is_asked_before() {
     setup.press("n");
     assert!(setup.asked.is_empty());
     setup.press(":").key(KeyCode::Down).key(KeyCode::Enter).press("x").press("y");
-    assert_eq!(setup.asked, [Operation::Command { action: Action::Stop }]);
+    assert_eq!(setup.asked, [RequestOperation::Command { action: ControllerAction::Stop }]);
     assert!(setup.screen().contains("Stop: done"));
 }
 
@@ -26,7 +29,7 @@ fn what_moves_outputs_is_asked_before() {
 fn the_mouse_gives_commands_too() {
     let mut setup = setup();
     setup.press(":").click("Reset cold").click("yes");
-    assert_eq!(setup.asked, [Operation::Command { action: Action::ResetCold }]);
+    assert_eq!(setup.asked, [RequestOperation::Command { action: ControllerAction::ResetCold }]);
 }
 
 #[test]
@@ -34,7 +37,10 @@ fn leaving_asks_what_becomes_of_forces() {
     for (keys, forces) in [("qk", Forces::Keep), ("qr", Forces::Release)] {
         let mut setup = setup();
         setup.press(keys);
-        assert_eq!((setup.asked, setup.wants), (vec![Operation::Leave { forces }], vec![LoopCommand::End]));
+        assert_eq!(
+            (setup.asked, setup.wants),
+            (vec![RequestOperation::Leave { forces }], vec![LoopCommand::End])
+        );
     }
     let mut setup = setup();
     setup.press("qs");
@@ -44,7 +50,7 @@ fn leaving_asks_what_becomes_of_forces() {
     setup.press("q");
     assert_eq!(
         (setup.asked, setup.wants),
-        (vec![Operation::Leave { forces: Forces::Keep }], vec![LoopCommand::End])
+        (vec![RequestOperation::Leave { forces: Forces::Keep }], vec![LoopCommand::End])
     );
 }
 
@@ -52,7 +58,7 @@ fn leaving_asks_what_becomes_of_forces() {
 fn one_who_may_not_release_does_not_leave_unasked() {
     let mut setup = setup();
     let message = "the rig is locked".to_owned();
-    setup.rig.fault = Some(Fault { code: "R0625".to_owned(), message, help: "unlock it".to_owned() });
+    setup.rig.fault = Some(RequestFault { code: "R0625".to_owned(), message, help: "unlock it".to_owned() });
     setup.press("qr");
     assert!(setup.wants.is_empty());
     assert!(setup.screen().contains("!! R0625 the rig is locked: unlock it"));
@@ -125,14 +131,15 @@ fn a_lost_connection_is_shown_and_taken_up_again() {
 fn the_lock_says_why() {
     let mut setup = setup();
     setup.press(":").key(KeyCode::End).key(KeyCode::Enter).enter("accepted by Anna");
-    assert_eq!(setup.asked, [Operation::Lock { note: "accepted by Anna".to_owned() }]);
+    assert_eq!(setup.asked, [RequestOperation::Lock { note: "accepted by Anna".to_owned() }]);
 }
 
 #[test]
 fn the_log_stays_where_somebody_reads() {
     let mut setup = setup();
     setup.click("Log");
-    let log = |at: i64| Event::Log { subscription: 0, at: at * 1_000_000, text: format!("line {at}") };
+    let log =
+        |at: i64| SubscriptionEvent::Log { subscription: 0, at: at * 1_000_000, text: format!("line {at}") };
     (0..100).for_each(|at| setup.report(log(at)));
     assert!(setup.screen().contains("line 99"));
     setup.key(KeyCode::PageUp);
@@ -168,7 +175,7 @@ fn only_what_is_shown_is_subscribed_to() {
 fn what_the_rig_says_cannot_command_the_terminal() {
     let mut setup = setup();
     let text = "a\x1b[2Jb\x07c\nd\u{9b}1m".to_owned();
-    setup.report(Event::Log { subscription: 0, at: 0, text });
+    setup.report(SubscriptionEvent::Log { subscription: 0, at: 0, text });
     setup.rig.status.state = "\x1b]0;title\x07".to_owned();
     setup.report_status();
     setup.click("Log");

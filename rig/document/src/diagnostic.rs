@@ -29,7 +29,7 @@ impl SourceFile {
 
 /// A place with what it has to say.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Label {
+pub struct DiagnosticLabel {
     /// Name of the file.
     pub file: String,
     /// Bytes of the text.
@@ -48,7 +48,7 @@ pub struct Diagnostic {
     /// What is wrong, one sentence without a final stop.
     pub message: String,
     /// The place first, then further places (for example the row that gave the value).
-    pub labels: Vec<Label>,
+    pub labels: Vec<DiagnosticLabel>,
     /// What to do about it; may be empty.
     pub help: String,
 }
@@ -73,7 +73,7 @@ impl Diagnostic {
     /// The same with one more place; the first one given is where the finding stands.
     #[must_use]
     pub fn at(mut self, file: impl Into<String>, span: Range<usize>, text: impl Into<String>) -> Self {
-        self.labels.push(Label { file: file.into(), span, text: text.into() });
+        self.labels.push(DiagnosticLabel { file: file.into(), span, text: text.into() });
         self
     }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::{Diagnostic, Label, Node, SourceFile};
+use crate::{Diagnostic, DiagnosticLabel, Node, SourceFile};
 
 /// Most findings that one reading keeps; what comes later is counted only.
 pub const MAX_FINDINGS: usize = 50;
@@ -34,7 +34,7 @@ pub struct Findings {
     list: Vec<Diagnostic>,
     errors: usize,
     /// What is added to every finding: whose part is looked at.
-    context: Vec<Label>,
+    context: Vec<DiagnosticLabel>,
 }
 
 impl Findings {
@@ -45,7 +45,7 @@ impl Findings {
 
     /// From now on adds these places to every finding: what led to what is looked at. None ends that.
     pub fn set_context(&mut self, places: impl IntoIterator<Item = (Range<usize>, String)>) {
-        let label = |(span, text)| Label { file: self.file.clone(), span, text };
+        let label = |(span, text)| DiagnosticLabel { file: self.file.clone(), span, text };
         self.context = places.into_iter().map(label).collect();
     }
 

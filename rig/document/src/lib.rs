@@ -21,7 +21,7 @@ mod suggest;
 pub mod toml;
 mod tree;
 
-pub use diagnostic::{Diagnostic, Label, Severity, SourceFile};
+pub use diagnostic::{Diagnostic, DiagnosticLabel, Severity, SourceFile};
 pub use fields::{Fields, check_value};
 pub use findings::{Codes, Findings, MAX_FINDINGS};
 pub use joined::Joined;
@@ -30,7 +30,7 @@ pub use patterns::DURATION;
 pub use place::line_col;
 pub use render::render;
 pub use suggest::suggest;
-pub use tree::{Data, Entry, Node, Origin, Table};
+pub use tree::{Data, Entry, Node, Table, ValueOrigin};
 
 /// Declares a register of codes: a constant for each, visible in the crate, and the public list `CODES` of all with
 /// their titles, in order.

@@ -6,7 +6,7 @@ use annotate_snippets::{
 };
 
 use crate::place::floor;
-use crate::{Diagnostic, Label, Severity, SourceFile, line_col};
+use crate::{Diagnostic, DiagnosticLabel, Severity, SourceFile, line_col};
 
 /// Lines longer than this are not shown: no window shows them, and drawing them takes long.
 const MAX_LINE: usize = 2_000;
@@ -90,7 +90,7 @@ fn snippets<'a>(
 }
 
 /// The label's bytes, held inside the text and within one line and whole characters.
-fn clamp(text: &str, label: &Label) -> std::ops::Range<usize> {
+fn clamp(text: &str, label: &DiagnosticLabel) -> std::ops::Range<usize> {
     let start = floor(text, label.span.start);
     let mut end = floor(text, label.span.end.max(start));
     if let Some(line_end) = text[start..end].find('\n') {

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 /// Where a value came from when a reference stood in its place.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Origin {
+pub struct ValueOrigin {
     /// Name of the reference, without `$`.
     pub name: String,
     /// Where the value is written in the same file, `None` when it came from the command line.
@@ -25,7 +25,7 @@ pub struct Node {
     /// escapes, no substitution).
     pub content: Option<usize>,
     /// Where the value came from, if a reference stood here.
-    pub origin: Option<Box<Origin>>,
+    pub origin: Option<Box<ValueOrigin>>,
 }
 
 /// What a value is.

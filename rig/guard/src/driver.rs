@@ -1,6 +1,6 @@
 //! One thread for each claim on lines: a call that hangs on one device keeps no other from being made safe.
 
-use crate::lines::Lines;
+use crate::lines::OutputLines;
 use host::{AtomicInstant, Bell, HostInstant};
 use rustix::io::{Errno, write};
 use std::io;
@@ -43,7 +43,7 @@ impl Driver {
     /// Takes charge of lines whose safe levels are `safe`, and drives nothing yet.
     pub fn start(
         device: String,
-        mut lines: Box<dyn Lines>,
+        mut lines: Box<dyn OutputLines>,
         safe: u64,
         finished: &Arc<OwnedFd>,
     ) -> io::Result<Driver> {
@@ -137,7 +137,7 @@ impl std::fmt::Display for Trouble {
 
 impl Shared {
     /// Drives until every order given is carried out.
-    fn carry_out(&self, lines: &mut dyn Lines, safe: u64) {
+    fn carry_out(&self, lines: &mut dyn OutputLines, safe: u64) {
         loop {
             let wanted = self.wanted.load(Ordering::Acquire);
             if wanted == self.served.load(Ordering::Acquire) {

@@ -1,7 +1,7 @@
 //! The rig's side of its guard.
 
 use crate::page::Page;
-use crate::wire::{Message, PWM, Tag};
+use crate::wire::{GuardMessage, PWM, Tag};
 use crate::{GuardError, MissingPrivileges, Reason};
 use drivers::{Bite, GuardSettings, LineApi, OutputClaim, OutputGuard};
 use host::{AtomicInstant, HostInstant, Unstoppable, never_stops};
@@ -80,7 +80,7 @@ impl Guard {
             after.as_nanos(),
             i64::from(bite == Bite::RigLost),
         ];
-        let hello = Message::new(Tag::Hello, numbers).with(&path);
+        let hello = GuardMessage::new(Tag::Hello, numbers).with(&path);
         let answer = inner.ask(&hello, &[memory.as_fd(), this.as_fd()], START)?;
         if answer.tag != Tag::Done {
             inner.reap();
@@ -131,7 +131,7 @@ impl GuardHandle {
     /// [`GuardError::Lines`], [`GuardError::Gone`], [`GuardError::Latched`].
     pub fn hold(&self, lines: Vec<OutputClaim>) -> Result<(), GuardError> {
         let mut inner = self.inner();
-        self.done(inner.ask(&Message::new(Tag::Forget, [0; 4]), &[], self.patience())?)?;
+        self.done(inner.ask(&GuardMessage::new(Tag::Forget, [0; 4]), &[], self.patience())?)?;
         self.give(&mut inner, lines)
     }
 
@@ -142,7 +142,7 @@ impl GuardHandle {
     /// As [`GuardHandle::hold`].
     pub fn replace(&self, gone: &str, lines: Vec<OutputClaim>) -> Result<(), GuardError> {
         let mut inner = self.inner();
-        let release = Message::new(Tag::Release, [0; 4]).with(gone);
+        let release = GuardMessage::new(Tag::Release, [0; 4]).with(gone);
         self.done(inner.ask(&release, &[], self.patience())?)?;
         self.give(&mut inner, lines)
     }
@@ -155,7 +155,7 @@ impl GuardHandle {
                 LineApi::Pwm => PWM,
             };
             let numbers = [count, held.mask.cast_signed(), held.safe.cast_signed(), 0];
-            let message = Message::new(Tag::Hold, numbers).with(&held.device);
+            let message = GuardMessage::new(Tag::Hold, numbers).with(&held.device);
             let answer = inner.ask(&message, &[held.claim.as_fd()], self.patience())?;
             if answer.tag != Tag::Done && self.page.latched().is_none() {
                 return Err(GuardError::Lines { device: held.device, why: answer.text().to_owned() });
@@ -176,7 +176,7 @@ impl GuardHandle {
         let now = HostInstant::now();
         self.page.rig_lives(now);
         self.last.set(now);
-        let answer = inner.ask(&Message::new(Tag::Arm, [0; 4]), &[], self.patience())?;
+        let answer = inner.ask(&GuardMessage::new(Tag::Arm, [0; 4]), &[], self.patience())?;
         self.done(answer)
     }
 
@@ -217,7 +217,7 @@ impl GuardHandle {
     /// [`GuardError::Latched`].
     pub fn disarm(&self) -> Result<(), GuardError> {
         let mut inner = self.inner();
-        let answer = inner.ask(&Message::new(Tag::Disarm, [0; 4]), &[], self.patience());
+        let answer = inner.ask(&GuardMessage::new(Tag::Disarm, [0; 4]), &[], self.patience());
         inner.unstoppable = None;
         self.safe(answer?)
     }
@@ -230,7 +230,7 @@ impl GuardHandle {
     /// it had latched already.
     pub fn trip(&self) -> Result<(), GuardError> {
         let mut inner = self.inner();
-        let answer = inner.ask(&Message::new(Tag::Trip, [0; 4]), &[], self.patience());
+        let answer = inner.ask(&GuardMessage::new(Tag::Trip, [0; 4]), &[], self.patience());
         inner.unstoppable = None;
         self.safe(answer?)
     }
@@ -244,7 +244,7 @@ impl GuardHandle {
         if std::mem::replace(&mut inner.closed, true) {
             return Ok(());
         }
-        let answer = inner.ask(&Message::new(Tag::Close, [0; 4]), &[], self.patience());
+        let answer = inner.ask(&GuardMessage::new(Tag::Close, [0; 4]), &[], self.patience());
         inner.unstoppable = None;
         let answer = answer?;
         if answer.tag != Tag::Done {
@@ -263,7 +263,7 @@ impl GuardHandle {
     }
 
     /// A request that only a latch can refuse.
-    fn done(&self, answer: Message) -> Result<(), GuardError> {
+    fn done(&self, answer: GuardMessage) -> Result<(), GuardError> {
         match (answer.tag, self.page.latched()) {
             (Tag::Done, _) => Ok(()),
             (_, Some(reason)) => Err(GuardError::Latched(reason)),
@@ -272,7 +272,7 @@ impl GuardHandle {
     }
 
     /// A request that is refused with words where the outputs are not safe.
-    fn safe(&self, answer: Message) -> Result<(), GuardError> {
+    fn safe(&self, answer: GuardMessage) -> Result<(), GuardError> {
         if answer.tag == Tag::Refused && !answer.text().is_empty() {
             return Err(GuardError::Unsafe { why: answer.text().to_owned() });
         }
@@ -291,16 +291,16 @@ impl Inner {
     /// Asks and waits for the answer.
     fn ask(
         &mut self,
-        message: &Message,
+        message: &GuardMessage,
         descriptors: &[BorrowedFd],
         patience: Span,
-    ) -> Result<Message, GuardError> {
+    ) -> Result<GuardMessage, GuardError> {
         if self.gone {
             return Err(GuardError::Gone);
         }
         let sent = message.send(&self.link, descriptors);
         let answered = sent.is_ok() && is_ready(self.link.as_fd(), patience);
-        match answered.then(|| Message::receive(&self.link)) {
+        match answered.then(|| GuardMessage::receive(&self.link)) {
             Some(Ok(Some((answer, _)))) => Ok(answer),
             _ => {
                 self.gone = true;

@@ -26,7 +26,7 @@ mod wire;
 pub use drivers::{Bite, GuardSettings, WatchdogSettings};
 pub use error::{CODES, GuardError};
 pub use handle::{Guard, GuardHandle, HeartbeatState};
-pub use lines::{KernelLines, Lines};
+pub use lines::{KernelLines, OutputLines};
 pub use reason::Reason;
 pub use serve::{serve, serve_with};
 pub use setup::MissingPrivileges;

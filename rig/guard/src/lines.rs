@@ -7,7 +7,7 @@ use std::fs::File;
 use std::io;
 
 /// A claim on output lines. Bits are lines, in the order of the claim; those outside of the claim are ignored.
-pub trait Lines: Send {
+pub trait OutputLines: Send {
     /// Drives all lines to these levels.
     ///
     /// # Errors
@@ -36,7 +36,7 @@ impl KernelLines {
     }
 }
 
-impl Lines for KernelLines {
+impl OutputLines for KernelLines {
     fn drive(&mut self, levels: u64) -> io::Result<()> {
         match self.api {
             LineApi::V2 => {

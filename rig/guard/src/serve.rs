@@ -1,12 +1,12 @@
 //! The guard's process from its start to its end.
 
-use crate::lines::{KernelLines, Lines};
+use crate::lines::{KernelLines, OutputLines};
 use crate::page::Page;
 use crate::setup::set_up;
-use crate::watch::{Ending, FedWatchdog, GuardSetup, Open, Watch};
-use crate::wire::{Message, Tag};
+use crate::watch::{Ending, FedWatchdog, GuardLoop, GuardSetup, LinesOpener};
+use crate::wire::{GuardMessage, Tag};
 use drivers::{Bite, OutputClaim};
-use host::{HostInstant, Watchdog};
+use host::{HostInstant, WatchdogDevice};
 use rustix::event::{EventfdFlags, PollFd, PollFlags, eventfd, poll};
 use rustix::io::Errno;
 use rustix::time::Timespec;
@@ -26,7 +26,7 @@ pub fn serve() -> ExitCode {
 }
 
 /// As [`serve`], for claims of any kind.
-pub fn serve_with(open: &dyn Fn(OutputClaim) -> Box<dyn Lines>) -> ExitCode {
+pub fn serve_with(open: &dyn Fn(OutputClaim) -> Box<dyn OutputLines>) -> ExitCode {
     if std::io::stdin().is_terminal() {
         eprintln!("rig guard is started by the rig itself and by nobody else");
         return ExitCode::from(2);
@@ -46,11 +46,11 @@ pub fn serve_with(open: &dyn Fn(OutputClaim) -> Box<dyn Lines>) -> ExitCode {
 }
 
 /// Sets up and takes the rig's introduction. `None`: it came to nothing.
-fn introduced(open: Open<'_>) -> Result<Option<Watch<'_>>, Errno> {
+fn introduced(open: LinesOpener<'_>) -> Result<Option<GuardLoop<'_>>, Errno> {
     let link: OwnedFd = std::io::stdin().as_fd().try_clone_to_owned().map_err(|_| Errno::BADF)?;
     let (lacks, ends) = set_up()?;
     poll(&mut [PollFd::new(&link, PollFlags::IN)], Some(&INTRODUCTION))?;
-    let Some((hello, mut descriptors)) = Message::receive(&link)? else { return Ok(None) };
+    let Some((hello, mut descriptors)) = GuardMessage::receive(&link)? else { return Ok(None) };
     let (Tag::Hello, Some(page), Some(rig)) = (hello.tag, descriptors.next(), descriptors.next()) else {
         return Err(Errno::BADMSG);
     };
@@ -59,19 +59,19 @@ fn introduced(open: Open<'_>) -> Result<Option<Watch<'_>>, Errno> {
     let [limit, hold, after, bite] = hello.numbers;
     let watchdog = match hello.text() {
         "" => None,
-        path => match Watchdog::open(Path::new(path), Span::from_nanos(after)) {
+        path => match WatchdogDevice::open(Path::new(path), Span::from_nanos(after)) {
             Ok(watchdog) => {
                 Some(FedWatchdog::new(watchdog, if bite == 0 { Bite::GuardLost } else { Bite::RigLost }))
             }
             Err(error) => {
                 let number = error.raw_os_error().unwrap_or_default();
-                Message::new(Tag::Refused, [i64::from(number), 0, 0, 0]).send(&link, &[])?;
+                GuardMessage::new(Tag::Refused, [i64::from(number), 0, 0, 0]).send(&link, &[])?;
                 return Ok(None);
             }
         },
     };
     page.guard_lives(HostInstant::now());
     let (limit, hold) = (Span::from_nanos(limit), Span::from_nanos(hold));
-    Message::new(Tag::Done, [lacks.to_number(), 0, 0, 0]).send(&link, &[])?;
-    Ok(Some(Watch::new(GuardSetup { link, rig, page, ends, finished, watchdog, limit, hold }, open)))
+    GuardMessage::new(Tag::Done, [lacks.to_number(), 0, 0, 0]).send(&link, &[])?;
+    Ok(Some(GuardLoop::new(GuardSetup { link, rig, page, ends, finished, watchdog, limit, hold }, open)))
 }

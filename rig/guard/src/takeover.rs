@@ -3,7 +3,7 @@
 //! A guard that is alone listens on a socket in the abstract space, under a name of its own; the next rig finds them
 //! in the kernel's table. Only the same user, or root, is heard.
 
-use crate::wire::{Message, Tag};
+use crate::wire::{GuardMessage, Tag};
 use host::HostInstant;
 use rustix::event::{PollFd, PollFlags, poll};
 use rustix::io::Errno;
@@ -65,14 +65,14 @@ pub(crate) struct TakeoverRequest(OwnedFd);
 impl TakeoverRequest {
     /// Whether it asks for one of these devices; `None` where it asks for nothing.
     pub fn asks_for<'a>(&self, mut devices: impl Iterator<Item = &'a str>) -> Option<bool> {
-        let (message, _) = Message::receive(&self.0).ok()??;
+        let (message, _) = GuardMessage::receive(&self.0).ok()??;
         (message.tag == Tag::TakeOver).then(|| devices.any(|device| device == message.text()))
     }
 
     /// Says whether it got them.
     pub fn answer(self, got: bool) {
         let tag = if got { Tag::Done } else { Tag::Refused };
-        let _ = Message::new(tag, [0; 4]).send(&self.0, &[]);
+        let _ = GuardMessage::new(tag, [0; 4]).send(&self.0, &[]);
     }
 }
 
@@ -97,7 +97,9 @@ fn ask(name: &str, device: &str) -> Result<bool, Errno> {
     if !is_one_of_us(&guard) {
         return Ok(false);
     }
-    Message::new(Tag::TakeOver, [HostInstant::now().as_nanos(), 0, 0, 0]).with(device).send(&guard, &[])?;
+    GuardMessage::new(Tag::TakeOver, [HostInstant::now().as_nanos(), 0, 0, 0])
+        .with(device)
+        .send(&guard, &[])?;
     poll(&mut [PollFd::new(&guard, PollFlags::IN)], Some(&PATIENCE))?;
-    Ok(Message::receive(&guard)?.is_some_and(|(answer, _)| answer.tag == Tag::Done))
+    Ok(GuardMessage::receive(&guard)?.is_some_and(|(answer, _)| answer.tag == Tag::Done))
 }

@@ -6,14 +6,14 @@ mod say;
 
 use crate::Reason;
 use crate::driver::Driver;
-use crate::lines::Lines;
+use crate::lines::OutputLines;
 use crate::page::Page;
 use crate::takeover::{Listener, TakeoverRequest};
-use crate::wire::{Descriptors, Message, PWM, Tag};
+use crate::wire::{Descriptors, GuardMessage, PWM, Tag};
 use drivers::{Bite, LineApi, OutputClaim};
-use host::{HostInstant, Watchdog};
+use host::{HostInstant, WatchdogDevice};
 use nix::sys::signalfd::SignalFd;
-use pending::Pending;
+use pending::PendingRequest;
 use rustix::event::{PollFd, PollFlags, poll};
 use rustix::io::{Errno, read};
 use rustix::process::{Signal, pidfd_send_signal};
@@ -58,7 +58,7 @@ enum WatchState {
 /// The watchdog behind the guard.
 #[derive(Debug)]
 pub(crate) struct FedWatchdog {
-    watchdog: Watchdog,
+    watchdog: WatchdogDevice,
     bite: Bite,
     /// When it is fed next.
     due: HostInstant,
@@ -66,7 +66,7 @@ pub(crate) struct FedWatchdog {
 
 impl FedWatchdog {
     /// It is fed from now on.
-    pub fn new(watchdog: Watchdog, bite: Bite) -> FedWatchdog {
+    pub fn new(watchdog: WatchdogDevice, bite: Bite) -> FedWatchdog {
         FedWatchdog { watchdog, bite, due: HostInstant::BOOT }
     }
 
@@ -117,22 +117,22 @@ pub(crate) struct GuardSetup {
 }
 
 /// Makes lines of a claim.
-pub(crate) type Open<'a> = &'a dyn Fn(OutputClaim) -> Box<dyn Lines>;
+pub(crate) type LinesOpener<'a> = &'a dyn Fn(OutputClaim) -> Box<dyn OutputLines>;
 
 /// The guard at work.
-pub(crate) struct Watch<'a> {
+pub(crate) struct GuardLoop<'a> {
     link: Option<OwnedFd>,
     rig: OwnedFd,
     page: Page,
     ends: SignalFd,
     finished: Arc<OwnedFd>,
-    open: Open<'a>,
+    open: LinesOpener<'a>,
     watchdog: Option<FedWatchdog>,
     limit: Span,
     hold: Span,
     drivers: Vec<Driver>,
     state: WatchState,
-    pending: Option<Pending>,
+    pending: Option<PendingRequest>,
     /// When lines are driven again.
     again: HostInstant,
     /// When the last wait was to end.
@@ -148,10 +148,10 @@ pub(crate) struct Watch<'a> {
     takeover: Option<TakeoverRequest>,
 }
 
-impl<'a> Watch<'a> {
+impl<'a> GuardLoop<'a> {
     /// A guard that has been introduced to its rig.
-    pub fn new(setup: GuardSetup, open: Open<'a>) -> Watch<'a> {
-        Watch {
+    pub fn new(setup: GuardSetup, open: LinesOpener<'a>) -> GuardLoop<'a> {
+        GuardLoop {
             link: Some(setup.link),
             rig: setup.rig,
             page: setup.page,
@@ -315,7 +315,7 @@ impl<'a> Watch<'a> {
     /// A message of the rig, or the end of its messages.
     fn message(&mut self) {
         let Some(link) = &self.link else { return };
-        match Message::receive(link) {
+        match GuardMessage::receive(link) {
             Ok(Some((message, descriptors))) => self.obey(&message, descriptors),
             Err(Errno::AGAIN | Errno::INTR) => {}
             Ok(None) | Err(Errno::CONNRESET) => {
@@ -327,7 +327,7 @@ impl<'a> Watch<'a> {
         }
     }
 
-    fn obey(&mut self, message: &Message, descriptors: Descriptors) {
+    fn obey(&mut self, message: &GuardMessage, descriptors: Descriptors) {
         let now = HostInstant::now();
         let latched = matches!(self.state, WatchState::Latched(_));
         match (message.tag, self.state) {
@@ -373,7 +373,7 @@ impl<'a> Watch<'a> {
     }
 
     /// Takes charge of lines.
-    fn hold(&mut self, message: &Message, mut descriptors: Descriptors) -> Result<(), String> {
+    fn hold(&mut self, message: &GuardMessage, mut descriptors: Descriptors) -> Result<(), String> {
         let claim = descriptors.next().ok_or("no descriptor came with it")?;
         let [lines, mask, safe, _] = message.numbers;
         let api = match u8::try_from(lines) {

@@ -65,22 +65,22 @@ const TAGS: [Tag; 11] = [
 
 /// A message.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Message {
+pub(crate) struct GuardMessage {
     pub tag: Tag,
     pub numbers: [i64; NUMBERS],
     text: [u8; MOST_TEXT],
     length: usize,
 }
 
-impl Message {
+impl GuardMessage {
     /// A message without text.
-    pub fn new(tag: Tag, numbers: [i64; NUMBERS]) -> Message {
-        Message { tag, numbers, text: [0; MOST_TEXT], length: 0 }
+    pub fn new(tag: Tag, numbers: [i64; NUMBERS]) -> GuardMessage {
+        GuardMessage { tag, numbers, text: [0; MOST_TEXT], length: 0 }
     }
 
     /// The same with a text; what is too long is cut off.
     #[must_use]
-    pub fn with(mut self, text: &str) -> Message {
+    pub fn with(mut self, text: &str) -> GuardMessage {
         let mut length = text.len().min(MOST_TEXT);
         while !text.is_char_boundary(length) {
             length -= 1;
@@ -120,7 +120,7 @@ impl Message {
     ///
     /// # Errors
     /// EAGAIN where there is none; EBADMSG for what is no message.
-    pub fn receive(from: impl AsFd) -> io::Result<Option<(Message, Descriptors)>> {
+    pub fn receive(from: impl AsFd) -> io::Result<Option<(GuardMessage, Descriptors)>> {
         let mut bytes = [0; HEAD + MOST_TEXT];
         let mut room = [MaybeUninit::uninit(); CONTROL];
         let mut control = RecvAncillaryBuffer::new(&mut room);
@@ -139,7 +139,7 @@ impl Message {
         }
         let tag = TAGS.get(usize::from(bytes[0]));
         let (Some(tag), true) = (tag, got.bytes >= HEAD) else { return Err(Errno::BADMSG) };
-        let mut message = Message::new(*tag, [0; NUMBERS]);
+        let mut message = GuardMessage::new(*tag, [0; NUMBERS]);
         for (number, place) in message.numbers.iter_mut().zip(bytes[1..HEAD].chunks_exact(8)) {
             *number = i64::from_le_bytes(place.try_into().unwrap_or_default());
         }
@@ -174,11 +174,11 @@ mod tests {
     fn a_message_arrives_whole_with_its_descriptors() {
         let (rig, guard) = pair();
         let (mut reader, mut writer) = std::io::pipe().unwrap();
-        let sent = Message::new(Tag::Hold, [1, -2, i64::MAX, i64::MIN]).with("rig-gpio");
+        let sent = GuardMessage::new(Tag::Hold, [1, -2, i64::MAX, i64::MIN]).with("rig-gpio");
         sent.send(&rig, &[writer.as_fd()]).unwrap();
         writer.write_all(b"a").unwrap();
         drop(writer);
-        let (got, mut descriptors) = Message::receive(&guard).unwrap().unwrap();
+        let (got, mut descriptors) = GuardMessage::receive(&guard).unwrap().unwrap();
         assert_eq!((got.tag, got.numbers, got.text()), (Tag::Hold, sent.numbers, "rig-gpio"));
         let mut other = std::fs::File::from(descriptors.next().unwrap());
         other.write_all(b"b").unwrap();
@@ -192,22 +192,22 @@ mod tests {
     #[test]
     fn none_yet_gone_and_nonsense_are_told_apart() {
         let (rig, guard) = pair();
-        assert_eq!(Message::receive(&guard).unwrap_err(), Errno::AGAIN);
+        assert_eq!(GuardMessage::receive(&guard).unwrap_err(), Errno::AGAIN);
         for nonsense in [&[0][..], &[200; HEAD][..], &[0; HEAD - 1][..]] {
             send(&rig, nonsense, SendFlags::empty()).unwrap();
-            assert_eq!(Message::receive(&guard).unwrap_err(), Errno::BADMSG);
+            assert_eq!(GuardMessage::receive(&guard).unwrap_err(), Errno::BADMSG);
         }
         drop(rig);
-        assert!(Message::receive(&guard).unwrap().is_none());
+        assert!(GuardMessage::receive(&guard).unwrap().is_none());
     }
 
     #[test]
     fn a_long_text_is_cut_at_a_letter() {
         let text = "ä".repeat(MOST_TEXT);
-        let message = Message::new(Tag::Done, [0; NUMBERS]).with(&text);
+        let message = GuardMessage::new(Tag::Done, [0; NUMBERS]).with(&text);
         assert_eq!(message.text(), &text[..MOST_TEXT / 2 * 2]);
         assert_eq!(
-            Message::new(Tag::Done, [0; NUMBERS]).with("x").with(&format!("x{text}")).text().len(),
+            GuardMessage::new(Tag::Done, [0; NUMBERS]).with("x").with(&format!("x{text}")).text().len(),
             MOST_TEXT - 1
         );
     }

@@ -11,7 +11,7 @@ const NOTES: usize = 16;
 
 /// A datagram that was received.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Received {
+pub struct ReceivedDatagram {
     /// Its length on the wire, also where the buffer was too short for it.
     pub len: usize,
     /// When the kernel took it from the device: nanoseconds of the wall clock since 1970.
@@ -49,7 +49,7 @@ fn switch_on(socket: &impl AsFd, option: libc::c_int) -> io::Result<()> {
 /// # Errors
 /// [`Errno::AGAIN`] where there is none, and whatever error the socket has.
 #[allow(unsafe_code)]
-pub fn receive(socket: &impl AsFd, into: &mut [u8]) -> Result<Received, Errno> {
+pub fn receive(socket: &impl AsFd, into: &mut [u8]) -> Result<ReceivedDatagram, Errno> {
     let mut part = libc::iovec { iov_base: into.as_mut_ptr().cast(), iov_len: into.len() };
     // Words, so that the headers of the notes are aligned.
     let mut notes = [0u64; NOTES];
@@ -66,8 +66,11 @@ pub fn receive(socket: &impl AsFd, into: &mut [u8]) -> Result<Received, Errno> {
         let code = io::Error::last_os_error().raw_os_error();
         return Err(code.map_or(Errno::INVAL, Errno::from_raw_os_error));
     };
-    let mut received =
-        Received { len, own: message.msg_flags & libc::MSG_CONFIRM != 0, ..Received::default() };
+    let mut received = ReceivedDatagram {
+        len,
+        own: message.msg_flags & libc::MSG_CONFIRM != 0,
+        ..ReceivedDatagram::default()
+    };
     // SAFETY: the kernel has set the length of the notes to what it wrote; the buffer is alive and aligned.
     let mut note = unsafe { libc::CMSG_FIRSTHDR(&raw const message) };
     while !note.is_null() {

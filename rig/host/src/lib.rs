@@ -25,13 +25,13 @@ pub use counter::{
     COUNTER_RECORD, CounterEvent, CounterEventKind, disable_counter_events, enable_counter_events,
     watch_count,
 };
-pub use datagram::{Received, receive, stamp_arrivals};
+pub use datagram::{ReceivedDatagram, receive, stamp_arrivals};
 pub use descriptor::duplicate;
 pub use histogram::Histogram;
 pub use instant::{AtomicInstant, HostInstant};
 pub use latency::{Wakeups, wakeups};
 pub use lock::lock_bytes;
-pub use machine::{Machine, Preemption};
+pub use machine::{HostMachine, Preemption};
 pub use process::{Punctual, ask_to_end, lock_memory};
 pub use refused::{Privilege, Refused};
 pub use rustix::io::Errno;
@@ -40,6 +40,6 @@ pub use serial::{
     transmitter_is_empty,
 };
 pub use stop::{Unstoppable, stop_here};
-pub use thread::{Entered, Processors, Realtime, Role, go_before_all};
+pub use thread::{Entered, Processors, Realtime, ThreadRole, go_before_all};
 pub use time::{Bracket, TimeBase, resolution};
-pub use watchdog::{Watchdog, never_stops};
+pub use watchdog::{WatchdogDevice, never_stops};

@@ -41,19 +41,19 @@ pub enum Preemption {
 
 /// The files of `/proc`, `/sys`, `/dev` and `/etc`, below a root that is not `/` in tests alone.
 #[derive(Clone, Debug)]
-pub struct Machine {
+pub struct HostMachine {
     root: PathBuf,
 }
 
-impl Machine {
+impl HostMachine {
     /// This machine.
-    pub fn here() -> Machine {
-        Machine::below(Path::new("/"))
+    pub fn here() -> HostMachine {
+        HostMachine::below(Path::new("/"))
     }
 
     /// The machine whose files stand below a folder.
-    pub fn below(root: &Path) -> Machine {
-        Machine { root: root.to_owned() }
+    pub fn below(root: &Path) -> HostMachine {
+        HostMachine { root: root.to_owned() }
     }
 
     /// Whether it is this machine, which can be tried and not only read about.
@@ -233,7 +233,7 @@ mod tests {
 
     #[test]
     fn a_machine_that_tells_nothing_has_an_identity_without_facts() {
-        let nowhere = Machine::below(Path::new("/nonexistent"));
+        let nowhere = HostMachine::below(Path::new("/nonexistent"));
         assert_eq!(nowhere.preemption(), Preemption::Ordinary);
         assert!(nowhere.list("/dev", "gpiochip").is_empty() && !nowhere.may_use("/dev/gpiochip0"));
         assert!(nowhere.identity().iter().all(|(name, text)| name == "kernel" || text.is_empty()));
@@ -241,7 +241,7 @@ mod tests {
 
     #[test]
     fn this_machine_says_which_kernel_it_runs() {
-        let here = Machine::here();
+        let here = HostMachine::here();
         assert!(here.is_here() && here.kernel().starts_with("Linux "), "{}", here.kernel());
         assert_eq!(here.identity(), here.identity());
     }

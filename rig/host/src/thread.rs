@@ -13,7 +13,7 @@ const STACK: usize = 256 * 1024;
 
 /// What a thread is for; the order is that of their priorities, highest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Role {
+pub enum ThreadRole {
     /// Takes edges from the kernel.
     Edges,
     /// Runs the scan loop with the steps of the plan.
@@ -85,11 +85,11 @@ impl Realtime {
     }
 
     /// The priority of a role.
-    pub fn priority_of(self, role: Role) -> Option<u8> {
+    pub fn priority_of(self, role: ThreadRole) -> Option<u8> {
         self.priority.map(|priority| match role {
-            Role::Edges => priority.saturating_add(1),
-            Role::Scan => priority,
-            Role::Devices => priority.saturating_sub(1),
+            ThreadRole::Edges => priority.saturating_add(1),
+            ThreadRole::Scan => priority,
+            ThreadRole::Devices => priority.saturating_sub(1),
         })
     }
 
@@ -98,19 +98,19 @@ impl Realtime {
     ///
     /// # Errors
     /// The first that the kernel refused: without the privilege EPERM.
-    pub fn enter(self, role: Role) -> io::Result<()> {
+    pub fn enter(self, role: ThreadRole) -> io::Result<()> {
         self.ready(role).map_or(Ok(()), |refused| Err(refused.error.into()))
     }
 
     /// As [`Realtime::enter`], and the thread is as before when what comes back is dropped.
-    pub fn enter_for_now(self, role: Role) -> Entered {
+    pub fn enter_for_now(self, role: ThreadRole) -> Entered {
         let processors = if self.processors.is_empty() { None } else { sched_getaffinity(None).ok() };
         let refused = self.ready(role);
         Entered { processors, priority: self.priority.is_some(), refused, thread: std::marker::PhantomData }
     }
 
     /// Asks for all; the first that was refused.
-    fn ready(self, role: Role) -> Option<Refused> {
+    fn ready(self, role: ThreadRole) -> Option<Refused> {
         touch_stack();
         // Without a real-time priority the kernel lets waits end up to 50 us later than they are due.
         let _ = set_current_timer_slack(NonZeroU64::new(1));
@@ -118,12 +118,12 @@ impl Realtime {
     }
 
     /// Which privileges the kernel refuses to a thread of this role, tried on a thread of its own.
-    pub fn refused(self, role: Role) -> Vec<Refused> {
+    pub fn refused(self, role: ThreadRole) -> Vec<Refused> {
         let trial = std::thread::spawn(move || self.all(role).into_iter().flatten().collect());
         trial.join().unwrap_or_default()
     }
 
-    fn all(self, role: Role) -> [Option<Refused>; 2] {
+    fn all(self, role: ThreadRole) -> [Option<Refused>; 2] {
         let said = |what, answer: Result<(), Errno>| answer.err().map(|error| Refused { what, error });
         let processors = if self.processors.is_empty() { Ok(()) } else { stay_on(&self.processors) };
         let priority =
@@ -215,20 +215,22 @@ mod tests {
 
     #[test]
     fn without_a_priority_nothing_is_asked_of_the_kernel() {
-        assert!(Realtime::default().enter(Role::Scan).is_ok());
-        assert!(Realtime::default().refused(Role::Edges).is_empty());
+        assert!(Realtime::default().enter(ThreadRole::Scan).is_ok());
+        assert!(Realtime::default().refused(ThreadRole::Edges).is_empty());
     }
 
     #[test]
     fn edges_go_before_the_scan_and_the_scan_before_devices() {
         let of = |role| Realtime::with_priority(80).priority_of(role).unwrap();
-        assert!(of(Role::Edges) > of(Role::Scan) && of(Role::Scan) > of(Role::Devices));
+        assert!(
+            of(ThreadRole::Edges) > of(ThreadRole::Scan) && of(ThreadRole::Scan) > of(ThreadRole::Devices)
+        );
     }
 
     #[test]
     fn a_processor_that_is_not_there_is_refused_and_named() {
         let nowhere = Realtime { processors: Processors::new([1023]), ..Realtime::default() };
-        let refused = nowhere.refused(Role::Scan);
+        let refused = nowhere.refused(ThreadRole::Scan);
         assert_eq!(refused.iter().map(|refused| refused.what).collect::<Vec<_>>(), [Privilege::Processors]);
     }
 
@@ -238,7 +240,7 @@ mod tests {
         let first = (0..CpuSet::MAX_CPU).find(|cpu| before.is_set(*cpu)).unwrap() as u16;
         let one = Realtime { processors: Processors::new([first]), ..Realtime::default() };
         {
-            let entered = one.enter_for_now(Role::Scan);
+            let entered = one.enter_for_now(ThreadRole::Scan);
             assert_eq!(entered.refused, None);
             assert_eq!(sched_getaffinity(None).unwrap().count(), 1);
         }

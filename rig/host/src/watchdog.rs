@@ -18,24 +18,24 @@ const MISC_WATCHDOG: (u32, u32) = (10, 130);
 
 /// An open watchdog: it runs from its opening, and dropping it does not stop it.
 #[derive(Debug)]
-pub struct Watchdog {
+pub struct WatchdogDevice {
     device: File,
     timeout: Span,
 }
 
-impl Watchdog {
+impl WatchdogDevice {
     /// Opens the device, which starts it, and lets it bite `timeout` (whole seconds, at least 1) after the last
-    /// feeding. The device may grant another time: [`Watchdog::timeout`].
+    /// feeding. The device may grant another time: [`WatchdogDevice::timeout`].
     ///
     /// # Errors
     /// What the kernel says: EBUSY where another program feeds it; EINVAL for a time that it cannot keep.
-    pub fn open(path: &Path, timeout: Span) -> io::Result<Watchdog> {
+    pub fn open(path: &Path, timeout: Span) -> io::Result<WatchdogDevice> {
         let device = OpenOptions::new().write(true).custom_flags(libc::O_CLOEXEC).open(path)?;
         if !device.metadata()?.file_type().is_char_device() {
             return Err(io::Error::from_raw_os_error(libc::ENOTTY));
         }
         let seconds = i32::try_from(timeout.as_nanos() / 1_000_000_000).unwrap_or(i32::MAX).max(1);
-        let mut dog = Watchdog { device, timeout };
+        let mut dog = WatchdogDevice { device, timeout };
         match dog.number(SET_TIMEOUT, seconds) {
             Ok(granted) => dog.timeout = Span::from_secs(i64::from(granted)),
             Err(error) => {
@@ -108,11 +108,11 @@ mod tests {
     fn what_is_no_watchdog_is_refused_and_nothing_is_written_to_it() {
         let path = std::env::temp_dir().join(format!("no-watchdog-{}", std::process::id()));
         std::fs::write(&path, "as it was").unwrap();
-        let error = Watchdog::open(&path, Span::from_secs(10)).unwrap_err();
+        let error = WatchdogDevice::open(&path, Span::from_secs(10)).unwrap_err();
         assert_eq!(error.raw_os_error(), Some(libc::ENOTTY));
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "as it was");
         std::fs::remove_file(&path).unwrap();
-        assert!(Watchdog::open(Path::new("/dev/null"), Span::from_secs(10)).is_err());
+        assert!(WatchdogDevice::open(Path::new("/dev/null"), Span::from_secs(10)).is_err());
         assert_eq!(never_stops(Path::new("/dev/null")), None);
     }
 }

@@ -1,7 +1,7 @@
 //! Host time of modelled operations, for looking at: `cargo run --release --example speed`.
 
 use document::SourceFile;
-use scanrig_program::{Host, Machine, Options, Stop, compile};
+use scanrig_program::{Host, Machine, Options, StopReason, compile};
 use signal::{Address, Span, Time};
 use std::sync::Arc;
 use std::time::Instant;
@@ -39,7 +39,7 @@ fn main() {
         for _ in 0..20_000 {
             machine.begin(0);
             let slice = machine.resume(0, Time::ZERO, Span::from_secs(1), &mut Nothing);
-            assert_eq!(slice.stop, Stop::Done);
+            assert_eq!(slice.stop, StopReason::Done);
             modelled += slice.used.as_nanos();
             operations += 20;
         }

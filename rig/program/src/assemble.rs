@@ -3,7 +3,7 @@
 
 use crate::native::Native;
 use crate::program::{Program, Retained, RetainedVariable, Variable};
-use crate::shape::Shape;
+use crate::shape::MemoryLayout;
 use crate::walk::{Leaf, index, leaves};
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
@@ -50,7 +50,7 @@ fn variables(program: &Program) -> Vec<Variable> {
     leaves(program, &|_, _| true, &mut |leaf| {
         if let (Some(ty), Some(storage)) = (leaf.ty, leaf.storage()) {
             let dimensions = match program.shape(leaf.shape) {
-                Some(Shape::Array { dimensions, .. }) => dimensions.clone(),
+                Some(MemoryLayout::Array { dimensions, .. }) => dimensions.clone(),
                 _ => Vec::new(),
             };
             let retention = program.retention_at(leaf.address);
@@ -112,10 +112,10 @@ fn retained(program: &Program) -> ImageLayout {
 /// The type of a variable as text; nothing for an address, which means nothing to another program.
 fn shape_of(program: &Program, leaf: &Leaf<'_>) -> Option<String> {
     match program.shape(leaf.shape)? {
-        Shape::Address => None,
-        Shape::Array { dimensions, .. } => Some(format!("{:?} {dimensions:?}", leaf.ty)),
-        Shape::Text { wide, length } => Some(format!("{wide} {length}")),
-        Shape::Members { name, .. } => Some(name.clone()),
+        MemoryLayout::Address => None,
+        MemoryLayout::Array { dimensions, .. } => Some(format!("{:?} {dimensions:?}", leaf.ty)),
+        MemoryLayout::Text { wide, length } => Some(format!("{wide} {length}")),
+        MemoryLayout::Members { name, .. } => Some(name.clone()),
         _ => Some(format!("{:?}", leaf.ty)),
     }
 }

@@ -1,7 +1,7 @@
 //! Collects findings, with their places, up to a limit.
 
 use crate::codes::Code;
-use document::{Diagnostic, Label, Severity, SourceFile};
+use document::{Diagnostic, DiagnosticLabel, Severity, SourceFile};
 
 /// A place in a source: bytes `start..end` of a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,7 +20,7 @@ impl SourcePlace {
 
 /// The findings of a compilation.
 #[derive(Debug)]
-pub(crate) struct Findings<'a> {
+pub(crate) struct CompileFindings<'a> {
     sources: &'a [SourceFile],
     list: Vec<Diagnostic>,
     errors: usize,
@@ -29,9 +29,9 @@ pub(crate) struct Findings<'a> {
     warnings: usize,
 }
 
-impl<'a> Findings<'a> {
+impl<'a> CompileFindings<'a> {
     pub fn new(sources: &'a [SourceFile], limit: usize) -> Self {
-        Findings { sources, list: Vec::new(), errors: 0, limit: limit.max(1), warnings: 0 }
+        CompileFindings { sources, list: Vec::new(), errors: 0, limit: limit.max(1), warnings: 0 }
     }
 
     pub fn error(
@@ -94,13 +94,20 @@ impl<'a> Findings<'a> {
         }
     }
 
-    fn push(&mut self, code: Code, severity: Severity, message: String, labels: Vec<Label>, help: String) {
+    fn push(
+        &mut self,
+        code: Code,
+        severity: Severity,
+        message: String,
+        labels: Vec<DiagnosticLabel>,
+        help: String,
+    ) {
         self.list.push(Diagnostic { code: code.text(), severity, message, labels, help });
     }
 
-    fn label(&self, at: SourcePlace, text: &str) -> Label {
+    fn label(&self, at: SourcePlace, text: &str) -> DiagnosticLabel {
         let file = self.sources.get(usize::from(at.file)).map_or(String::new(), |source| source.name.clone());
-        Label { file, span: at.start as usize..at.end as usize, text: text.to_string() }
+        DiagnosticLabel { file, span: at.start as usize..at.end as usize, text: text.to_string() }
     }
 
     /// Whether an error was reported inside a place already.

@@ -11,11 +11,11 @@ pub trait Host {
     fn load(&mut self, at: Address) -> u64;
 
     /// Stores the low bits of `value`. `file` and `line` (from 1) are the place in the source. TRUE where a
-    /// watched location changed: the machine stops right after the operation with [`Stop::Touched`].
+    /// watched location changed: the machine stops right after the operation with [`StopReason::Touched`].
     fn store(&mut self, at: Address, value: u64, file: u16, line: u32) -> bool;
 
     /// A call of the block with this number, whose body is the host's ([`crate::BlockBody::Host`]). TRUE where the
-    /// host wants to see to what came of it: the machine stops right after the call with [`Stop::Touched`].
+    /// host wants to see to what came of it: the machine stops right after the call with [`StopReason::Touched`].
     fn block(&mut self, _block: u16, _pins: &mut Pins<'_>) -> bool {
         false
     }
@@ -23,16 +23,16 @@ pub trait Host {
 
 /// What a task did in one slice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Slice {
+pub struct MachineSlice {
     /// Modelled time that was used, never more than the budget.
     pub used: Span,
     /// Why it stopped.
-    pub stop: Stop,
+    pub stop: StopReason,
 }
 
 /// Why a slice ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stop {
+pub enum StopReason {
     /// The next operation takes `next`, more than what is left. Nothing of it has happened.
     Budget {
         /// Modelled time of the next operation.
@@ -54,14 +54,14 @@ pub enum Stop {
         argument: i64,
     },
     /// The cycle was abandoned.
-    Fault(Fault),
+    Fault(ProgramFault),
 }
 
 /// What no program can go on from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Fault {
+pub struct ProgramFault {
     /// What happened.
-    pub kind: FaultKind,
+    pub kind: ProgramFaultKind,
     /// Place of the source file.
     pub file: u16,
     /// Line, from 1.
@@ -70,7 +70,7 @@ pub struct Fault {
 
 /// Kinds of faults.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum FaultKind {
+pub enum ProgramFaultKind {
     /// `/` or MOD of whole numbers by 0.
     DivisionByZero,
     /// An index outside the bounds of its array.
@@ -83,14 +83,14 @@ pub enum FaultKind {
     Internal,
 }
 
-impl fmt::Display for FaultKind {
+impl fmt::Display for ProgramFaultKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            FaultKind::DivisionByZero => "division by zero",
-            FaultKind::Bounds => "index outside the bounds of the array",
-            FaultKind::BadReference => "reference to no variable",
-            FaultKind::StackDepth => "calls nested too deep",
-            FaultKind::Internal => "internal fault of the compiler",
+            ProgramFaultKind::DivisionByZero => "division by zero",
+            ProgramFaultKind::Bounds => "index outside the bounds of the array",
+            ProgramFaultKind::BadReference => "reference to no variable",
+            ProgramFaultKind::StackDepth => "calls nested too deep",
+            ProgramFaultKind::Internal => "internal fault of the compiler",
         })
     }
 }

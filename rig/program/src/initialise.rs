@@ -2,8 +2,8 @@
 //! variables are their initial values.
 
 use crate::codes::Code;
-use crate::findings::{Findings, SourcePlace};
-use crate::host::{Host, Stop};
+use crate::findings::{CompileFindings, SourcePlace};
+use crate::host::{Host, StopReason};
 use crate::machine::Machine;
 use crate::program::Program;
 use signal::{Address, Span, Time};
@@ -36,7 +36,7 @@ pub(crate) fn initialise(
     mut program: Program,
     unit: u16,
     makers: Range<usize>,
-    findings: &mut Findings<'_>,
+    findings: &mut CompileFindings<'_>,
 ) -> Program {
     let programs = std::mem::replace(&mut program.programs, vec![unit]);
     let shared = Arc::new(program);
@@ -49,13 +49,13 @@ pub(crate) fn initialise(
     let mut program = Arc::try_unwrap(shared).unwrap_or_else(|shared| (*shared).clone());
     program.programs = programs;
     match run {
-        Ok((Stop::Done, values)) => {
+        Ok((StopReason::Done, values)) => {
             let range = program.variables_from as usize..program.variables_to as usize;
             if let (Some(to), Some(from)) = (program.image.get_mut(range.clone()), values.get(range)) {
                 to.copy_from_slice(from);
             }
         }
-        Ok((Stop::Fault(fault), _)) => {
+        Ok((StopReason::Fault(fault), _)) => {
             let message = format!("making the instances ends with {:?}", fault.kind);
             failed(&program, message, fault.file, fault.line, findings);
         }
@@ -71,7 +71,7 @@ pub(crate) fn initialise(
     program
 }
 
-fn failed(program: &Program, message: String, file: u16, line: u32, findings: &mut Findings<'_>) {
+fn failed(program: &Program, message: String, file: u16, line: u32, findings: &mut CompileFindings<'_>) {
     let name = program.files.get(usize::from(file)).map_or("", String::as_str);
     let help = format!("see FB_Init and initial values of addresses; it was at {name}, line {line}");
     findings.error(Code::InitialValue, SourcePlace::default(), message, help);

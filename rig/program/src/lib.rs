@@ -60,24 +60,24 @@ mod vendor;
 mod walk;
 
 pub use codes::CODES;
-pub use host::{Fault, FaultKind, Host, Slice, Stop};
+pub use host::{Host, MachineSlice, ProgramFault, ProgramFaultKind, StopReason};
 pub use library::Service;
 pub use listing::{ListedLine, ListedStep, ListedUnit};
-pub use look::Shown;
+pub use look::ShownVariable;
 pub use machine::{ChangeError, ChangeReport, Machine};
 pub use native::{BlockBody, Native, Pin, PinKind, Pins, STANDARD};
-pub use options::{Costs, Limits, Options};
+pub use options::{Costs, Options, ProgramLimits};
 pub use parse::{declares, mentions};
-pub use program::{Located, Program, Retention, Storage, TaskInfo, VarRef, Variable};
+pub use program::{ConfiguredTask, Located, Program, Retention, Storage, VarRef, Variable};
 pub use set::SetError;
-pub use shape::{Member, Root, Shape, ShapeId};
+pub use shape::{Member, MemoryLayout, Root, ShapeId};
 pub use source::source;
 pub use state::{BranchCoverage, Coverage, MachineError, StatementCoverage};
 pub use types::Elementary;
 
 use codes::Code;
 use document::{Diagnostic, SourceFile};
-use findings::{Findings, SourcePlace};
+use findings::{CompileFindings, SourcePlace};
 
 /// Files of one application. Libraries are distributed with a file for each unit.
 const MOST_SOURCES: usize = 4000;
@@ -85,7 +85,7 @@ const MOST_SOURCES: usize = 4000;
 /// Compiles sources, which are one application together.
 ///
 /// # Errors
-/// The findings: at least one error, and at most [`Limits::errors`]; warnings among them.
+/// The findings: at least one error, and at most [`ProgramLimits::errors`]; warnings among them.
 pub fn compile(sources: &[SourceFile], options: &Options) -> Result<Program, Vec<Diagnostic>> {
     let mut needed = vendor::needed(sources);
     if needed.is_empty() {
@@ -98,7 +98,7 @@ pub fn compile(sources: &[SourceFile], options: &Options) -> Result<Program, Vec
 
 /// The first `own` sources are the user's.
 fn compile_all(sources: &[SourceFile], own: usize, options: &Options) -> Result<Program, Vec<Diagnostic>> {
-    let mut findings = Findings::new(sources, options.limits.errors);
+    let mut findings = CompileFindings::new(sources, options.limits.errors);
     let mut names = parse::NameTable::new();
     let size: usize = sources.iter().map(|source| source.text.len()).sum();
     if size > options.limits.source || sources.len() > MOST_SOURCES {

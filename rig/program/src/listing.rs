@@ -1,8 +1,8 @@
 //! The code for reading: units, source lines, operations with their cost and the names of their operands.
 
-use crate::code::{AddressBase, LibraryArgument, LibraryCode, Op, Operand, Step, TextAt, Unit};
+use crate::code::{AddressBase, CodeStep, CodeUnit, LibraryArgument, LibraryCode, Op, Operand, TextAt};
 use crate::program::Program;
-use crate::shape::{Shape, ShapeId};
+use crate::shape::{MemoryLayout, ShapeId};
 use crate::types::Elementary;
 use crate::walk::indices;
 use document::SourceFile;
@@ -49,7 +49,7 @@ pub struct ListedStep {
 impl Program {
     /// The code by units, with the lines of `sources`, those that it was compiled from.
     pub fn listing(&self, sources: &[SourceFile]) -> Vec<ListedUnit> {
-        let mut order: Vec<&Unit> = self.units.iter().collect();
+        let mut order: Vec<&CodeUnit> = self.units.iter().collect();
         order.sort_by_key(|unit| unit.entry);
         let ends = order.iter().skip(1).map(|unit| unit.entry).chain([self.code.len() as u32]);
         let units = order.iter().zip(ends).map(|(unit, end)| {
@@ -75,7 +75,7 @@ impl Program {
     }
 
     /// Name and operands of an operation.
-    fn step(&self, step: &Step) -> String {
+    fn step(&self, step: &CodeStep) -> String {
         let mut text = format!("{:?}", step.op);
         let unit = |place: u32| self.units.get(place as usize).map_or("?", |unit| unit.name.as_str());
         let width = step.op.width();
@@ -176,20 +176,20 @@ impl Program {
     /// The path of the variable at an address.
     fn name(&self, address: u32) -> Option<String> {
         let holds = |first: u32, shape: ShapeId| {
-            let bytes = self.shape(shape).map_or(0, Shape::bytes);
+            let bytes = self.shape(shape).map_or(0, MemoryLayout::bytes);
             address >= first && address - first < bytes
         };
         let root = self.roots.iter().find(|root| holds(root.address, root.shape))?;
         let (mut path, mut at, mut shape) = (root.path.clone(), root.address, root.shape);
         for _ in 0..DEPTH {
             match self.shape(shape)? {
-                Shape::Members { members, .. } => {
+                MemoryLayout::Members { members, .. } => {
                     let inside = members.iter().find(|member| holds(at + member.offset, member.shape));
                     let Some(member) = inside else { break };
                     path = format!("{path}.{}", member.name);
                     (at, shape) = (at + member.offset, member.shape);
                 }
-                Shape::Array { dimensions, of, stride } if *stride > 0 && address > at => {
+                MemoryLayout::Array { dimensions, of, stride } if *stride > 0 && address > at => {
                     let nth = (address - at) / stride;
                     path.push_str(&indices(dimensions, nth));
                     (at, shape) = (at + nth * stride, *of);

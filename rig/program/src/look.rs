@@ -4,7 +4,7 @@ use crate::host::Host;
 use crate::library::{TextOut, to_text};
 use crate::machine::Machine;
 use crate::program::Storage;
-use crate::shape::{Shape, ShapeId, count};
+use crate::shape::{MemoryLayout, ShapeId, count};
 use crate::types::Elementary;
 use crate::walk::{Spot, indices};
 use signal::Value;
@@ -18,7 +18,7 @@ const DEPTH: u32 = 200;
 
 /// A variable as it is shown.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Shown {
+pub enum ShownVariable {
     /// One value: as plans know it, and its type.
     Value(Value, Elementary),
     /// A value of an enumeration: its name, where it has one, and its number.
@@ -28,14 +28,14 @@ pub enum Shown {
     /// An address: a pointer, a reference, an interface; 0 leads nowhere.
     Address(u32),
     /// Elements in order, each with its indices as in `[1,2]`, and how many are left out.
-    Array(Vec<(String, Shown)>, usize),
+    Array(Vec<(String, ShownVariable)>, usize),
     /// Members in order by their names.
-    Members(Vec<(String, Shown)>),
+    Members(Vec<(String, ShownVariable)>),
 }
 
 impl Machine {
     /// The variable at a path, whatever its type. The host has the located ones.
-    pub fn show(&self, path: &str, host: &mut dyn Host) -> Option<Shown> {
+    pub fn show(&self, path: &str, host: &mut dyn Host) -> Option<ShownVariable> {
         let spot = Spot::find(self.program(), path)?;
         Viewer { machine: self, host, left: ALL }.view(spot.shape, spot.address, spot.bit, 0)
     }
@@ -48,24 +48,24 @@ struct Viewer<'a> {
 }
 
 impl Viewer<'_> {
-    fn view(&mut self, id: ShapeId, address: u32, bit: u8, depth: u32) -> Option<Shown> {
+    fn view(&mut self, id: ShapeId, address: u32, bit: u8, depth: u32) -> Option<ShownVariable> {
         let program = self.machine.program();
         self.left = self.left.saturating_sub(1);
         if depth > DEPTH {
             return None;
         }
         Some(match program.shape(id)? {
-            Shape::Elementary(ty) | Shape::Subrange { base: ty, .. } => {
-                Shown::Value(ty.value(self.cell(address, bit, *ty)?), *ty)
+            MemoryLayout::Elementary(ty) | MemoryLayout::Subrange { base: ty, .. } => {
+                ShownVariable::Value(ty.value(self.cell(address, bit, *ty)?), *ty)
             }
-            Shape::Enumeration { base, values, .. } => {
+            MemoryLayout::Enumeration { base, values, .. } => {
                 let cell = self.cell(address, bit, *base)?;
                 let name = values.iter().find(|(_, value)| *value == cell);
-                Shown::Named(name.map(|(name, _)| name.clone()), base.value(cell))
+                ShownVariable::Named(name.map(|(name, _)| name.clone()), base.value(cell))
             }
-            Shape::Text { wide, length } => Shown::Text(self.text(address, *wide, *length)?),
-            Shape::Address => Shown::Address(self.cell(address, 0, Elementary::Dword)? as u32),
-            Shape::Array { dimensions, of, stride } => {
+            MemoryLayout::Text { wide, length } => ShownVariable::Text(self.text(address, *wide, *length)?),
+            MemoryLayout::Address => ShownVariable::Address(self.cell(address, 0, Elementary::Dword)? as u32),
+            MemoryLayout::Array { dimensions, of, stride } => {
                 let mut elements = Vec::new();
                 let all = count(dimensions);
                 for nth in 0..all.min(ELEMENTS) {
@@ -76,9 +76,9 @@ impl Viewer<'_> {
                     elements.push((indices(dimensions, nth), self.view(*of, at, 0, depth + 1)?));
                 }
                 let more = all as usize - elements.len();
-                Shown::Array(elements, more)
+                ShownVariable::Array(elements, more)
             }
-            Shape::Members { members, .. } => {
+            MemoryLayout::Members { members, .. } => {
                 let mut list = Vec::new();
                 for member in members {
                     if self.left == 0 {
@@ -87,7 +87,7 @@ impl Viewer<'_> {
                     let at = address.checked_add(member.offset)?;
                     list.push((member.name.clone(), self.view(member.shape, at, 0, depth + 1)?));
                 }
-                Shown::Members(list)
+                ShownVariable::Members(list)
             }
         })
     }
@@ -132,19 +132,19 @@ fn plain(value: Value, ty: Elementary) -> String {
     text.iter().map(|byte| char::from(*byte)).collect()
 }
 
-impl fmt::Display for Shown {
+impl fmt::Display for ShownVariable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Shown::Value(value, ty) if ty.is_char() => {
+            ShownVariable::Value(value, ty) if ty.is_char() => {
                 let unit = value.as_int().and_then(|unit| char::from_u32(u32::try_from(unit).ok()?));
                 write!(f, "'{}'", unit.unwrap_or(char::REPLACEMENT_CHARACTER))
             }
             // Bit strings as traces write them.
-            Shown::Value(value @ Value::Word(_), ty) if ty.is_bit_string() => write!(f, "{value}"),
-            Shown::Value(value, ty) => f.write_str(&plain(*value, *ty)),
-            Shown::Named(Some(name), _) => f.write_str(name),
-            Shown::Named(None, value) => write!(f, "{}", value.as_int().unwrap_or(0)),
-            Shown::Text(text) => {
+            ShownVariable::Value(value @ Value::Word(_), ty) if ty.is_bit_string() => write!(f, "{value}"),
+            ShownVariable::Value(value, ty) => f.write_str(&plain(*value, *ty)),
+            ShownVariable::Named(Some(name), _) => f.write_str(name),
+            ShownVariable::Named(None, value) => write!(f, "{}", value.as_int().unwrap_or(0)),
+            ShownVariable::Text(text) => {
                 f.write_str("'")?;
                 for c in text.chars() {
                     match c {
@@ -158,9 +158,9 @@ impl fmt::Display for Shown {
                 }
                 f.write_str("'")
             }
-            Shown::Address(0) => f.write_str("NULL"),
-            Shown::Address(at) => write!(f, "16#{at:08X}"),
-            Shown::Array(elements, more) => {
+            ShownVariable::Address(0) => f.write_str("NULL"),
+            ShownVariable::Address(at) => write!(f, "16#{at:08X}"),
+            ShownVariable::Array(elements, more) => {
                 f.write_str("[")?;
                 for (nth, (_, element)) in elements.iter().enumerate() {
                     let comma = if nth > 0 { ", " } else { "" };
@@ -171,7 +171,7 @@ impl fmt::Display for Shown {
                 }
                 f.write_str("]")
             }
-            Shown::Members(members) => {
+            ShownVariable::Members(members) => {
                 f.write_str("(")?;
                 for (nth, (name, member)) in members.iter().enumerate() {
                     let comma = if nth > 0 { ", " } else { "" };

@@ -168,7 +168,7 @@ impl Costs {
 
 /// How large a program may become. What is beyond is refused with a code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limits {
+pub struct ProgramLimits {
     /// How far `%I`, `%Q` and `%M` reach (controller:ADDR-02).
     pub addresses: AddressLimits,
     /// Bytes of source text in all.
@@ -183,10 +183,10 @@ pub struct Limits {
     pub errors: usize,
 }
 
-impl Default for Limits {
+impl Default for ProgramLimits {
     /// `%MW0` to `%MW59999`, images of 8 Kbytes, 4 Mbyte of text, 32 Mbyte of variables, 64 Kbytes retained, 50 errors.
     fn default() -> Self {
-        Limits {
+        ProgramLimits {
             addresses: AddressLimits { input_bits: 65_536, output_bits: 65_536, memory_words: 60_000 },
             source: 4 << 20,
             memory: 32 << 20,
@@ -203,7 +203,7 @@ pub struct Options {
     /// Modelled time of the operations.
     pub costs: Costs,
     /// How large the program may become.
-    pub limits: Limits,
+    pub limits: ProgramLimits,
     /// The function blocks that are not written in Structured Text.
     pub blocks: &'static [Native],
     /// Names of global variables that are not assigned to: whoever runs the program writes them.
@@ -217,7 +217,7 @@ impl Default for Options {
     fn default() -> Self {
         Options {
             costs: Costs::default(),
-            limits: Limits::default(),
+            limits: ProgramLimits::default(),
             blocks: STANDARD,
             read_only: &[],
             library: false,

@@ -1,8 +1,8 @@
 //! A compiled program: code, the layout of its variables, and what is known of them.
 
-use crate::code::{IndexOf, LibraryCall, ObjectClass, Statement, Step, TextPair, Unit};
+use crate::code::{CodeStep, CodeUnit, IndexOf, LibraryCall, ObjectClass, Statement, TextPair};
 use crate::native::Native;
-use crate::shape::{Root, Shape, ShapeId};
+use crate::shape::{MemoryLayout, Root, ShapeId};
 use crate::types::Elementary;
 use document::Diagnostic;
 use signal::{Address, Area, Size, Span};
@@ -102,7 +102,7 @@ impl Located {
 
 /// A task that the sources configure (CONFIGURATION).
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct TaskInfo {
+pub struct ConfiguredTask {
     /// As declared.
     pub name: String,
     /// INTERVAL; `None` for a task with SINGLE.
@@ -140,13 +140,13 @@ pub(crate) struct RetainedVariable {
 /// A compiled program. Immutable: machines share it.
 #[derive(Clone, Debug)]
 pub struct Program {
-    pub(crate) code: Vec<Step>,
+    pub(crate) code: Vec<CodeStep>,
     /// The line of each operation, from 1.
     pub(crate) lines: Vec<u32>,
     pub(crate) indexes: Vec<IndexOf>,
     pub(crate) texts: Vec<TextPair>,
     pub(crate) library: Vec<LibraryCall>,
-    pub(crate) units: Vec<Unit>,
+    pub(crate) units: Vec<CodeUnit>,
     pub(crate) natives: Vec<&'static Native>,
     pub(crate) classes: Vec<ObjectClass>,
     /// Names of the blocks and interfaces that [`crate::code::Op::IsKind`] asks for.
@@ -169,8 +169,8 @@ pub struct Program {
     /// Sorted by address, disjoint.
     pub(crate) retained: Vec<Retained>,
     pub(crate) roots: Vec<Root>,
-    pub(crate) shapes: Vec<Shape>,
-    pub(crate) tasks: Vec<TaskInfo>,
+    pub(crate) shapes: Vec<MemoryLayout>,
+    pub(crate) tasks: Vec<ConfiguredTask>,
     /// Source file and bytes of the first LREAL: no part of what the program does.
     pub(crate) lreal: Option<(u16, std::ops::Range<usize>)>,
     /// What [`Program::variables`] lists: derived.
@@ -229,7 +229,7 @@ impl Program {
         self.places_of(program, Area::Input, |unit| &unit.reads)
     }
 
-    fn places_of(&self, program: usize, area: Area, of: fn(&Unit) -> &[(u32, u32)]) -> Vec<Address> {
+    fn places_of(&self, program: usize, area: Area, of: fn(&CodeUnit) -> &[(u32, u32)]) -> Vec<Address> {
         let mut waiting: Vec<u16> = self.programs.get(program).copied().into_iter().collect();
         let mut seen = vec![false; self.units.len()];
         let mut bits: Vec<(u32, u32)> = Vec::new();
@@ -289,7 +289,7 @@ impl Program {
     }
 
     /// The tasks that the sources configure, in their order.
-    pub fn tasks(&self) -> &[TaskInfo] {
+    pub fn tasks(&self) -> &[ConfiguredTask] {
         &self.tasks
     }
 
@@ -306,7 +306,7 @@ impl Program {
     }
 
     /// The type at a place of the table.
-    pub(crate) fn shape(&self, id: ShapeId) -> Option<&Shape> {
+    pub(crate) fn shape(&self, id: ShapeId) -> Option<&MemoryLayout> {
         self.shapes.get(id.0 as usize)
     }
 }

@@ -4,7 +4,7 @@ use crate::host::Host;
 use crate::library::days_of;
 use crate::machine::Machine;
 use crate::program::Storage;
-use crate::shape::Shape;
+use crate::shape::MemoryLayout;
 use crate::types::Elementary::{self, *};
 use crate::walk::Spot;
 use std::fmt;
@@ -63,7 +63,7 @@ impl Machine {
         let spot = Spot::find(&program, path).ok_or(SetError::NoSuchVariable)?;
         let shape = program.shape(spot.shape).ok_or(SetError::NoSuchVariable)?;
         let text = text.trim();
-        if let Shape::Text { wide, length } = shape {
+        if let MemoryLayout::Text { wide, length } = shape {
             let bytes = characters(text, *wide, *length)?;
             let unit = if *wide { Wchar } else { Char };
             return bytes.chunks(unit.bytes()).zip(0..).try_for_each(|(bytes, nth)| {
@@ -73,8 +73,8 @@ impl Machine {
         }
         let ty = shape.elementary().ok_or(SetError::NotSettable)?;
         let cell = match shape {
-            Shape::Enumeration { base, values, .. } => named(text, *base, values)?,
-            Shape::Subrange { base, low, high } => {
+            MemoryLayout::Enumeration { base, values, .. } => named(text, *base, values)?,
+            MemoryLayout::Subrange { base, low, high } => {
                 let cell = scalar(text, *base)?;
                 if cell < *low || cell > *high {
                     return Err(SetError::Range { low: i128::from(*low), high: i128::from(*high) });

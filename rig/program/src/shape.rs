@@ -8,7 +8,7 @@ pub struct ShapeId(pub u32);
 
 /// A type as it lies in memory.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Shape {
+pub enum MemoryLayout {
     /// One value.
     Elementary(Elementary),
     /// A value with names: the name and cell of each.
@@ -60,26 +60,31 @@ pub enum Shape {
     Address,
 }
 
-impl Shape {
+impl MemoryLayout {
     /// The type of its cell, for one value.
     pub fn elementary(&self) -> Option<Elementary> {
         match self {
-            Shape::Elementary(ty) => Some(*ty),
-            Shape::Enumeration { base, .. } | Shape::Subrange { base, .. } => Some(*base),
-            Shape::Text { .. } | Shape::Array { .. } | Shape::Members { .. } | Shape::Address => None,
+            MemoryLayout::Elementary(ty) => Some(*ty),
+            MemoryLayout::Enumeration { base, .. } | MemoryLayout::Subrange { base, .. } => Some(*base),
+            MemoryLayout::Text { .. }
+            | MemoryLayout::Array { .. }
+            | MemoryLayout::Members { .. }
+            | MemoryLayout::Address => None,
         }
     }
 
     /// Bytes that one takes.
     pub fn bytes(&self) -> u32 {
         match self {
-            Shape::Elementary(ty)
-            | Shape::Enumeration { base: ty, .. }
-            | Shape::Subrange { base: ty, .. } => ty.bytes() as u32,
-            Shape::Text { wide, length } => length.saturating_add(1).saturating_mul(1 + u32::from(*wide)),
-            Shape::Array { dimensions, stride, .. } => count(dimensions).saturating_mul(*stride),
-            Shape::Members { size, .. } => *size,
-            Shape::Address => 4,
+            MemoryLayout::Elementary(ty)
+            | MemoryLayout::Enumeration { base: ty, .. }
+            | MemoryLayout::Subrange { base: ty, .. } => ty.bytes() as u32,
+            MemoryLayout::Text { wide, length } => {
+                length.saturating_add(1).saturating_mul(1 + u32::from(*wide))
+            }
+            MemoryLayout::Array { dimensions, stride, .. } => count(dimensions).saturating_mul(*stride),
+            MemoryLayout::Members { size, .. } => *size,
+            MemoryLayout::Address => 4,
         }
     }
 }

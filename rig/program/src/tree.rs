@@ -4,8 +4,8 @@
 
 use crate::findings::SourcePlace;
 use crate::native::Native;
-use crate::program::{Located, Retained, TaskInfo};
-use crate::shape::Shape;
+use crate::program::{ConfiguredTask, Located, Retained};
+use crate::shape::MemoryLayout;
 use crate::types::Elementary;
 
 /// The type of a value.
@@ -67,8 +67,8 @@ pub(crate) struct Tree {
     pub retained: Vec<Retained>,
     pub located: Vec<Located>,
     pub roots: Vec<crate::shape::Root>,
-    pub shapes: Vec<Shape>,
-    pub tasks: Vec<TaskInfo>,
+    pub shapes: Vec<MemoryLayout>,
+    pub tasks: Vec<ConfiguredTask>,
     /// Source file and bytes of the first LREAL.
     pub lreal: Option<(u16, std::ops::Range<usize>)>,
 }
@@ -219,9 +219,9 @@ pub(crate) enum Callee {
 #[derive(Clone, Debug)]
 pub(crate) struct TreeCall {
     pub callee: Callee,
-    pub inputs: Vec<Input>,
+    pub inputs: Vec<CallInput>,
     /// Assigned after the call.
-    pub outputs: Vec<Output>,
+    pub outputs: Vec<CallOutput>,
     /// Where the callee's frame holds the result; the type is that of the expression.
     pub result: Option<u32>,
     pub at: SourcePlace,
@@ -229,7 +229,7 @@ pub(crate) struct TreeCall {
 
 /// A value for a parameter.
 #[derive(Clone, Debug)]
-pub(crate) struct Input {
+pub(crate) struct CallInput {
     pub to: Slot,
     pub value: Expr,
 }
@@ -245,7 +245,7 @@ pub(crate) enum Slot {
 
 /// An output, assigned after the call.
 #[derive(Clone, Debug)]
-pub(crate) struct Output {
+pub(crate) struct CallOutput {
     pub from: Slot,
     pub negated: bool,
     /// From the type of the slot to that of the target by itself, where it needs conversion.

@@ -2,7 +2,7 @@
 
 use crate::code::map;
 use crate::program::{NameEntry, Program, Storage, VarRef, Variable};
-use crate::shape::{Root, Shape, ShapeId, count};
+use crate::shape::{MemoryLayout, Root, ShapeId, count};
 use crate::types::Elementary;
 use signal::{Address, Area, Size};
 use std::fmt::Write;
@@ -39,7 +39,9 @@ impl Program {
     pub fn find(&self, path: &str) -> Option<Variable> {
         let spot = Spot::find(self, path)?;
         let (ty, dimensions) = match self.shape(spot.shape)? {
-            Shape::Array { dimensions, of, .. } => (self.shape(*of)?.elementary()?, dimensions.clone()),
+            MemoryLayout::Array { dimensions, of, .. } => {
+                (self.shape(*of)?.elementary()?, dimensions.clone())
+            }
             shape => (shape.elementary()?, Vec::new()),
         };
         Some(Variable {
@@ -107,7 +109,7 @@ impl Spot {
 
     /// To a member.
     fn enter(&mut self, program: &Program, is: impl Fn(usize, &str) -> bool) -> Option<()> {
-        let Shape::Members { members, .. } = program.shape(self.shape)? else { return None };
+        let MemoryLayout::Members { members, .. } = program.shape(self.shape)? else { return None };
         let (_, member) = members.iter().enumerate().find(|(nth, member)| is(*nth, &member.name))?;
         self.path.push('.');
         self.path.push_str(&member.name);
@@ -121,7 +123,9 @@ impl Spot {
         let mut indices = indices.split(',').map(|text| text.parse::<i64>().ok());
         let mut next = indices.next();
         while let Some(first) = next {
-            let Shape::Array { dimensions, of, stride } = program.shape(self.shape)? else { return None };
+            let MemoryLayout::Array { dimensions, of, stride } = program.shape(self.shape)? else {
+                return None;
+            };
             let (mut nth, mut index) = (0i64, first);
             self.path.push('[');
             for (place, (low, high)) in dimensions.iter().enumerate() {
@@ -223,7 +227,7 @@ impl LeafWalk<'_> {
         }
         let length = self.path.len();
         let ty = match shape {
-            Shape::Members { members, name, .. } => {
+            MemoryLayout::Members { members, name, .. } => {
                 // A native block keeps more than its pins show: it is a leaf besides.
                 if self.program.native(name).is_some() {
                     let root = self.root;
@@ -241,8 +245,8 @@ impl LeafWalk<'_> {
                     more
                 });
             }
-            Shape::Array { dimensions, of, stride } => {
-                match self.program.shape(*of).and_then(Shape::elementary) {
+            MemoryLayout::Array { dimensions, of, stride } => {
+                match self.program.shape(*of).and_then(MemoryLayout::elementary) {
                     Some(ty) => Some(ty),
                     None => {
                         return (0..count(dimensions)).all(|nth| {
@@ -287,7 +291,7 @@ pub(crate) fn index(program: &Program) -> std::collections::BTreeMap<String, Opt
     for (root, known) in (0..).zip(&program.roots) {
         if let Some((_, name)) = known.path.split_once('.').filter(|(unit, _)| of_program(unit)) {
             short(name, NameEntry { root, member: None });
-        } else if let (true, Some(Shape::Members { members, .. })) =
+        } else if let (true, Some(MemoryLayout::Members { members, .. })) =
             (of_program(&known.path), program.shape(known.shape))
         {
             for (member, known) in (0..).zip(members) {

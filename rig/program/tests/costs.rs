@@ -4,7 +4,7 @@
 //! `Costs::default` says.
 
 use crate::support::{Memory, Rig, sources};
-use scanrig_program::{Costs, Machine, Options, Stop, compile};
+use scanrig_program::{Costs, Machine, Options, StopReason, compile};
 use signal::{Span, Time};
 use std::sync::Arc;
 
@@ -273,7 +273,7 @@ fn other_costs_may_be_given() {
         let mut machine = Machine::new(Arc::new(program), &[vec![0]]).unwrap();
         machine.begin(0);
         let slice = machine.resume(0, Time::ZERO, Span::from_secs(1), &mut Memory::default());
-        assert_eq!(slice.stop, Stop::Done);
+        assert_eq!(slice.stop, StopReason::Done);
         slice.used.as_nanos()
     };
     let all = 64 + 42 + 50 + 336;

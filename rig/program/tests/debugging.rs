@@ -1,7 +1,7 @@
 //! Online change, breakpoints, single steps, forced variables and coverage of compiled programs.
 
 use crate::support::{Memory, Rig, build};
-use scanrig_program::{ChangeReport, Machine, Stop};
+use scanrig_program::{ChangeReport, Machine, StopReason};
 use signal::{Span, Time, Value};
 use std::sync::Arc;
 
@@ -136,8 +136,8 @@ fn stops(machine: &mut Machine, step: bool, variable: &str) -> Vec<i128> {
             machine.step(0);
         }
         match machine.resume(0, Time::ZERO, Span::from_secs(1), &mut memory).stop {
-            Stop::Break => values.push(machine.read(variable).as_int().unwrap()),
-            Stop::Done => return values,
+            StopReason::Break => values.push(machine.read(variable).as_int().unwrap()),
+            StopReason::Done => return values,
             other => panic!("{other:?}"),
         }
     }
@@ -195,8 +195,8 @@ fn breakpoints_take_no_time_and_change_nothing() {
         let slice = rig.machine.resume(0, Time::ZERO, Span::from_secs(1), &mut rig.memory);
         used = used + slice.used;
         match slice.stop {
-            Stop::Break => breaks += 1,
-            Stop::Done => break,
+            StopReason::Break => breaks += 1,
+            StopReason::Done => break,
             other => panic!("{other:?}"),
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::support::{Memory, sources};
 use proptest::prelude::*;
-use scanrig_program::{Elementary, FaultKind, Machine, Options, Stop, compile};
+use scanrig_program::{Elementary, Machine, Options, ProgramFaultKind, StopReason, compile};
 use signal::{Span, Time, Value};
 use std::fmt::Write;
 use std::sync::Arc;
@@ -239,12 +239,12 @@ fn check(e: &E, ty: Elementary, variables: &[[i128; 2]; 13]) {
     machine.begin(0);
     let slice = machine.resume(0, Time::ZERO, Span::from_secs(1), &mut memory);
     match (slice.stop, expected) {
-        (Stop::Done, Some(expected)) => {
+        (StopReason::Done, Some(expected)) => {
             let found = machine.read(machine.find("r").unwrap());
             assert_eq!(found.as_int(), Some(expected), "{program}");
             assert!(ty != Elementary::Bool || matches!(found, Value::Bool(_)));
         }
-        (Stop::Fault(fault), None) => assert_eq!(fault.kind, FaultKind::DivisionByZero),
+        (StopReason::Fault(fault), None) => assert_eq!(fault.kind, ProgramFaultKind::DivisionByZero),
         other => panic!("{other:?}\n{program}"),
     }
 }

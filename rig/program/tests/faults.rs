@@ -3,24 +3,24 @@
 
 use crate::support::oracle::{WHOLE, limits, literal};
 use crate::support::{Rig, codes, once};
-use scanrig_program::{FaultKind, Stop};
+use scanrig_program::{ProgramFaultKind, StopReason};
 
 /// The fault of one cycle and its line.
-fn fault(text: &str) -> Option<(FaultKind, u32)> {
+fn fault(text: &str) -> Option<(ProgramFaultKind, u32)> {
     let mut rig = Rig::new(text);
     match rig.run().stop {
-        Stop::Fault(fault) => Some((fault.kind, fault.line)),
-        Stop::Done => None,
+        StopReason::Fault(fault) => Some((fault.kind, fault.line)),
+        StopReason::Done => None,
         other => panic!("{other:?}\n{text}"),
     }
 }
 
 /// The fault of the last line of statements; line 3 where it is in the first.
-fn of(declarations: &str, statements: &str) -> Option<(FaultKind, u32)> {
+fn of(declarations: &str, statements: &str) -> Option<(ProgramFaultKind, u32)> {
     fault(&format!("PROGRAM MAIN\nVAR {declarations} END_VAR\n{statements}\nEND_PROGRAM"))
 }
 
-use FaultKind::{BadReference, Bounds, DivisionByZero, StackDepth};
+use ProgramFaultKind::{BadReference, Bounds, DivisionByZero, StackDepth};
 
 #[test]
 fn an_index_of_every_type_is_held_to_its_bounds() {
@@ -173,7 +173,7 @@ fn the_stack_ends() {
     assert_eq!(rig.int("r"), 50);
     // The next cycle starts with an empty stack.
     let mut rig = Rig::new(&text.replace("DEEP", "1000000"));
-    assert!(matches!(rig.run().stop, Stop::Fault(_)));
+    assert!(matches!(rig.run().stop, StopReason::Fault(_)));
     rig.write("d", signal::Value::Int(50));
     rig.cycle();
     assert_eq!(rig.int("r"), 50);
@@ -197,7 +197,7 @@ fn what_ran_before_a_fault_stays() {
            b := f(1) + f(z); c := c + 1; END_PROGRAM",
     );
     for turn in 1..3 {
-        let Stop::Fault(fault) = rig.run().stop else { panic!() };
+        let StopReason::Fault(fault) = rig.run().stop else { panic!() };
         assert_eq!((fault.kind, fault.line), (DivisionByZero, 2));
         assert_eq!((rig.int("a"), rig.int("b"), rig.int("c")), (turn, 0, 0));
     }
@@ -256,7 +256,7 @@ fn bodies_that_change_their_loops() {
     // A step of 0 goes on for ever: the cycle never ends, and time passes.
     let mut rig =
         Rig::new("PROGRAM MAIN VAR i, s : INT; END_VAR FOR i := 1 TO 2 BY s DO ; END_FOR; END_PROGRAM");
-    assert!(matches!(rig.run().stop, Stop::Budget { .. }));
+    assert!(matches!(rig.run().stop, StopReason::Budget { .. }));
     // Loops on members and constant elements; what could move in the loop is refused.
     let rig = once(
         "VAR a : ARRAY[0..2] OF INT; t : CTU_INT; p : POINTER TO INT; x, n : INT; END_VAR",

@@ -1,7 +1,7 @@
 //! What statements and expressions mean, against values worked out by hand from IEC 61131-3.
 
 use crate::support::{Rig, codes, once};
-use scanrig_program::{FaultKind, Stop};
+use scanrig_program::{ProgramFaultKind, StopReason};
 use signal::Value;
 
 /// The value of an expression assigned to `r` of a type, with some variables at hand.
@@ -226,17 +226,17 @@ fn arrays() {
 fn faults_name_their_line() {
     let mut rig =
         Rig::new("PROGRAM MAIN VAR n, z : INT; END_VAR\nn := 1;\nn := n / z;\nn := 3;\nEND_PROGRAM");
-    let Stop::Fault(fault) = rig.run().stop else { panic!() };
-    assert_eq!((fault.kind, fault.file, fault.line), (FaultKind::DivisionByZero, 0, 3));
+    let StopReason::Fault(fault) = rig.run().stop else { panic!() };
+    assert_eq!((fault.kind, fault.file, fault.line), (ProgramFaultKind::DivisionByZero, 0, 3));
     assert_eq!(rig.int("n"), 1);
     // The abandoned cycle does not go on.
     let after = rig.machine.resume(0, rig.now, signal::Span::from_secs(1), &mut rig.memory);
-    assert_eq!(after.stop, Stop::Done);
+    assert_eq!(after.stop, StopReason::Done);
 
     let mut rig =
         Rig::new("PROGRAM MAIN VAR a : ARRAY[1..3] OF INT; i : INT := 4; END_VAR\na[i] := 1;\nEND_PROGRAM");
     assert!(
-        matches!(rig.run().stop, Stop::Fault(fault) if fault.kind == FaultKind::Bounds && fault.line == 2)
+        matches!(rig.run().stop, StopReason::Fault(fault) if fault.kind == ProgramFaultKind::Bounds && fault.line == 2)
     );
 }
 

@@ -2,7 +2,7 @@
 
 use crate::support::{Memory, codes, sources};
 use proptest::prelude::*;
-use scanrig_program::{Limits, Machine, Options, compile};
+use scanrig_program::{Machine, Options, ProgramLimits, compile};
 use signal::{Span, Time};
 use std::sync::Arc;
 
@@ -220,14 +220,15 @@ fn errors_are_bounded() {
     let found = codes(&format!("PROGRAM MAIN {} END_PROGRAM", "unknown := 1;".repeat(10_000)));
     assert_eq!((found.len(), found.last()), (51, Some(&"S0506")));
     assert!(codes(&"?".repeat(100_000)).len() <= 51);
-    let text = "(".repeat(Limits::default().source + 1);
+    let text = "(".repeat(ProgramLimits::default().source + 1);
     assert_eq!(codes(&text), ["S0501"]);
 }
 
 #[test]
 fn long_programs_and_names_are_reported() {
     let text = format!("PROGRAM MAIN VAR a : INT; END_VAR {} END_PROGRAM", "a := a + 1;".repeat(1000));
-    let options = |code| Options { limits: Limits { code, ..Limits::default() }, ..Options::default() };
+    let options =
+        |code| Options { limits: ProgramLimits { code, ..ProgramLimits::default() }, ..Options::default() };
     // An addition each, and the return.
     assert!(compile(&sources(&text), &options(1001)).is_ok());
     let findings = compile(&sources(&text), &options(1000)).unwrap_err();

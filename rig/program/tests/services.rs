@@ -3,7 +3,7 @@
 
 use crate::support::{Rig, codes};
 use proptest::prelude::*;
-use scanrig_program::{Service, Stop};
+use scanrig_program::{Service, StopReason};
 use signal::{Span, Time, Value};
 
 /// Every service with its call and what it is asked with.
@@ -40,10 +40,12 @@ fn cycle(
         now += slice.used.as_nanos();
         left -= slice.used.as_nanos();
         match slice.stop {
-            Stop::Done => return (asked, now),
-            Stop::Budget { next } if left < next.as_nanos() => left += slices[turn % slices.len()].max(1),
-            Stop::Budget { .. } | Stop::Touched => {}
-            Stop::Service { service, argument } => {
+            StopReason::Done => return (asked, now),
+            StopReason::Budget { next } if left < next.as_nanos() => {
+                left += slices[turn % slices.len()].max(1)
+            }
+            StopReason::Budget { .. } | StopReason::Touched => {}
+            StopReason::Service { service, argument } => {
                 // Without an answer nothing goes on and no time passes.
                 let again = rig.machine.resume(0, at, Span::from_secs(1), &mut rig.memory);
                 assert_eq!((again.used, again.stop), (Span::ZERO, slice.stop));
@@ -115,11 +117,11 @@ fn a_cycle_that_is_abandoned_asks_no_more() {
         Rig::new("PROGRAM MAIN VAR n, rtc : DINT; END_VAR n := n + 1; rtc := GetRtc(); END_PROGRAM");
     rig.machine.begin(0);
     let slice = rig.machine.resume(0, Time::ZERO, Span::from_secs(1), &mut rig.memory);
-    assert!(matches!(slice.stop, Stop::Service { .. }));
+    assert!(matches!(slice.stop, StopReason::Service { .. }));
     rig.machine.begin(0);
     rig.machine.answer(0, 5);
     let slice = rig.machine.resume(0, Time::ZERO, Span::from_secs(1), &mut rig.memory);
-    assert!(matches!(slice.stop, Stop::Service { .. }));
+    assert!(matches!(slice.stop, StopReason::Service { .. }));
     assert_eq!((rig.int("n"), rig.machine.read(rig.machine.find("rtc").unwrap())), (2, Value::Int(0)));
 }
 
@@ -131,7 +133,7 @@ fn a_watched_answer_stops_the_slice() {
     rig.machine.resume(0, Time::ZERO, Span::from_secs(1), &mut rig.memory);
     rig.machine.answer(0, 5);
     let slice = rig.machine.resume(0, Time::ZERO, Span::ZERO, &mut rig.memory);
-    assert_eq!((slice.used, slice.stop), (Span::ZERO, Stop::Touched));
+    assert_eq!((slice.used, slice.stop), (Span::ZERO, StopReason::Touched));
     assert_eq!(rig.int("rtc"), 5);
 }
 

@@ -2,7 +2,7 @@
 
 use crate::support::{Memory, Rig, build, sources};
 use proptest::prelude::*;
-use scanrig_program::{Costs, Machine, Options, Stop, compile};
+use scanrig_program::{Costs, Machine, Options, StopReason, compile};
 use signal::{Span, Time, Value};
 use std::sync::Arc;
 
@@ -50,7 +50,10 @@ fn an_endless_loop_takes_time_even_where_branches_are_free() {
     let mut machine = Machine::new(Arc::new(program), &[vec![0]]).unwrap();
     machine.begin(0);
     let slice = machine.resume(0, Time::ZERO, Span::from_micros(50), &mut Memory::default());
-    assert_eq!((slice.used, slice.stop), (Span::from_micros(50), Stop::Budget { next: Span::from_nanos(1) }));
+    assert_eq!(
+        (slice.used, slice.stop),
+        (Span::from_micros(50), StopReason::Budget { next: Span::from_nanos(1) })
+    );
 }
 
 #[test]
@@ -61,11 +64,11 @@ fn an_operation_that_does_not_fit_waits() {
         |budget: i64| rig.machine.resume(0, Time::ZERO, Span::from_nanos(budget), &mut rig.memory);
     // The load, the addition and the store are one operation of 32 + 42 + 32 ns.
     let first = slice(105);
-    assert_eq!((first.used.as_nanos(), first.stop), (0, Stop::Budget { next: Span::from_nanos(106) }));
+    assert_eq!((first.used.as_nanos(), first.stop), (0, StopReason::Budget { next: Span::from_nanos(106) }));
     assert_eq!(slice(41).used, Span::ZERO);
     let last = slice(106);
     assert_eq!(last.used.as_nanos(), 106);
-    assert_eq!(slice(0).stop, Stop::Done);
+    assert_eq!(slice(0).stop, StopReason::Done);
 }
 
 #[test]
@@ -84,8 +87,8 @@ fn watched_variables_and_locations_stop_the_slice() {
         let slice =
             rig.machine.resume(0, Time::ZERO + Span::from_nanos(used), Span::from_secs(1), &mut rig.memory);
         used += slice.used.as_nanos();
-        stops.push((used, slice.stop == Stop::Touched));
-        if slice.stop == Stop::Done {
+        stops.push((used, slice.stop == StopReason::Touched));
+        if slice.stop == StopReason::Done {
             break;
         }
     }
@@ -149,10 +152,10 @@ fn run(budgets: &[i64], watch: bool) -> (Vec<i64>, Vec<Value>, Vec<u8>, Vec<u32>
             assert!(slice.used <= budget);
             used = used + slice.used;
             match slice.stop {
-                Stop::Done => break,
+                StopReason::Done => break,
                 // An operation longer than every slice has to be let through.
-                Stop::Budget { next } => least = next.as_nanos(),
-                Stop::Touched => least = 0,
+                StopReason::Budget { next } => least = next.as_nanos(),
+                StopReason::Touched => least = 0,
                 stop => panic!("{stop:?}"),
             }
         }
@@ -187,8 +190,8 @@ fn an_index_out_of_bounds_stops_at_its_own_operation_however_it_is_cut() {
             let slice = machine.resume(0, Time::ZERO + used, budget.max(least), &mut Memory::default());
             used = used + slice.used;
             match slice.stop {
-                Stop::Fault(fault) => return (used, fault),
-                Stop::Budget { next } => least = next,
+                StopReason::Fault(fault) => return (used, fault),
+                StopReason::Budget { next } => least = next,
                 _ => panic!("the cycle ends with a fault"),
             }
         }
@@ -213,7 +216,7 @@ fn tasks_keep_apart() {
         for (task, done) in done.iter_mut().enumerate() {
             // One operation of each in turn: the longest costs less than two slices of this.
             let slice = machine.resume(task, Time::ZERO, Span::from_nanos(250), &mut memory);
-            *done = slice.stop == Stop::Done;
+            *done = slice.stop == StopReason::Done;
         }
     }
     let read = |path: &str| machine.read(machine.find(path).unwrap());

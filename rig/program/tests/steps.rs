@@ -2,17 +2,17 @@
 //! same modelled time as one operation after the other (controller:PERF-01; results and times do not depend on slices).
 
 use crate::support::{Memory, sources};
-use scanrig_program::{Machine, Options, Stop, compile};
+use scanrig_program::{Machine, Options, StopReason, compile};
 use signal::{Span, Time, Value};
 use std::sync::Arc;
 
 /// Runs cycles: in one slice each, or with budgets that never hold more than the next operation. Every value of the
 /// program in the end, and the time that was used.
-fn run(text: &str, names: &[&str], whole: bool) -> (Vec<Value>, Span, Stop) {
+fn run(text: &str, names: &[&str], whole: bool) -> (Vec<Value>, Span, StopReason) {
     let program = compile(&sources(text), &Options::default()).unwrap();
     let mut machine = Machine::new(Arc::new(program), &[vec![0]]).unwrap();
     let mut memory = Memory::default();
-    let (mut used, mut stop) = (Span::ZERO, Stop::Done);
+    let (mut used, mut stop) = (Span::ZERO, StopReason::Done);
     for cycle in 0..3 {
         machine.begin(0);
         let start = Time::from_nanos(cycle * 40_000_000);
@@ -23,7 +23,7 @@ fn run(text: &str, names: &[&str], whole: bool) -> (Vec<Value>, Span, Stop) {
             in_cycle = in_cycle + slice.used;
             stop = slice.stop;
             match stop {
-                Stop::Budget { next } => budget = next,
+                StopReason::Budget { next } => budget = next,
                 _ => break,
             }
         }
@@ -101,7 +101,7 @@ fn an_element_outside_of_its_array_is_a_fault() {
             FOR i := 3 TO 9 DO {body} END_FOR; END_PROGRAM"
         );
         let (values, _, stop) = run(&text, &["i"], true);
-        assert!(matches!(stop, Stop::Fault(_)), "{body}: {stop:?}");
+        assert!(matches!(stop, StopReason::Fault(_)), "{body}: {stop:?}");
         assert_eq!(values, [Value::Int(7)], "{body}");
         same(&text, &["i", "n", "a[2]", "a[6]"]);
     }
@@ -137,7 +137,7 @@ fn a_remainder_by_zero_is_a_fault() {
         WHILE TRUE DO k := k + 1; IF n MOD d = 0 THEN n := n + 1; END_IF; d := d - 1; END_WHILE;
         END_PROGRAM";
     let (values, _, stop) = run(text, &["d"], true);
-    assert!(matches!(stop, Stop::Fault(_)) && values == [Value::Int(0)], "{stop:?} {values:?}");
+    assert!(matches!(stop, StopReason::Fault(_)) && values == [Value::Int(0)], "{stop:?} {values:?}");
     same(text, &["n", "d", "k"]);
 }
 

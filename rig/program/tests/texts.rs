@@ -244,7 +244,7 @@ fn characters_of_texts() {
         let mut rig = Rig::new(&format!(
             "PROGRAM MAIN VAR s : STRING[5] := 'abc'; b : BYTE; i : INT := {index}; END_VAR b := s[i]; END_PROGRAM"
         ));
-        rig.run().stop == scanrig_program::Stop::Done
+        rig.run().stop == scanrig_program::StopReason::Done
     };
     assert!(with("0") && with("4") && with("5") && !with("6") && !with("-1"));
 }

@@ -2,7 +2,7 @@
 
 use crate::support::{Memory, Rig, codes, once};
 use document::SourceFile;
-use scanrig_program::{FaultKind, Machine, Options, Stop, compile};
+use scanrig_program::{Machine, Options, ProgramFaultKind, StopReason, compile};
 use signal::{Span, Time, Value};
 use std::sync::Arc;
 
@@ -342,8 +342,10 @@ fn an_in_out_may_take_arrays_of_any_length() {
     let values = ["s1", "s2", "s3", "c", "m[2,1]", "x[1]", "h.last", "wide"];
     assert_eq!(values.map(|path| rig.int(&format!("MAIN.{path}"))), [6, 30, 210, 5, -1, 100, 20, 2]);
     rig.write("MAIN.go", signal::Value::Bool(true));
-    let Stop::Fault(fault) = rig.run().stop else { panic!("an index outside of its bounds is a fault") };
-    assert_eq!(fault.kind, FaultKind::Bounds);
+    let StopReason::Fault(fault) = rig.run().stop else {
+        panic!("an index outside of its bounds is a fault")
+    };
+    assert_eq!(fault.kind, ProgramFaultKind::Bounds);
 }
 
 #[test]

@@ -68,8 +68,8 @@ pub struct ClaimRecord {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub place_file: Option<String>,
     /// The kind of that file.
-    #[serde(default, skip_serializing_if = "Origin::is_plan")]
-    pub origin: Origin,
+    #[serde(default, skip_serializing_if = "ClaimOrigin::is_plan")]
+    pub origin: ClaimOrigin,
     /// It is an invariant or an alarm: it is claimed of every case and not of this one alone.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub guard: bool,
@@ -78,7 +78,7 @@ pub struct ClaimRecord {
 /// The kind of file that a claim stands in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Origin {
+pub enum ClaimOrigin {
     /// The plan, or a file that it includes.
     #[default]
     Plan,
@@ -88,9 +88,9 @@ pub enum Origin {
     Board,
 }
 
-impl Origin {
+impl ClaimOrigin {
     fn is_plan(&self) -> bool {
-        *self == Origin::Plan
+        *self == ClaimOrigin::Plan
     }
 }
 

@@ -1,7 +1,7 @@
 //! Excerpts of signals, so that reports can draw without the trace.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
-use signal::{Event, Kind, SignalInfo, Value, When};
+use signal::{Event, SignalInfo, Value, ValueKind, When};
 
 /// The most points that one lane keeps; what comes after them is marked by [`Lane::truncated`].
 pub const MAX_LANE_POINTS: usize = 2_000;
@@ -66,9 +66,9 @@ impl Lane {
     /// An empty lane for a signal of a trace.
     pub fn of(info: &SignalInfo) -> Lane {
         let kind = match info.kind {
-            Kind::Bool => LaneKind::Digital,
-            Kind::Real => LaneKind::Analog,
-            Kind::Int | Kind::Word | Kind::State | Kind::Mark => LaneKind::State,
+            ValueKind::Bool => LaneKind::Digital,
+            ValueKind::Real => LaneKind::Analog,
+            ValueKind::Int | ValueKind::Word | ValueKind::State | ValueKind::Mark => LaneKind::State,
         };
         Lane {
             signal: info.name.clone(),
@@ -177,7 +177,7 @@ mod tests {
 
     #[test]
     fn a_lane_is_bounded() {
-        let mut lane = Lane::of(&SignalInfo::exact("lamp", Kind::Bool));
+        let mut lane = Lane::of(&SignalInfo::exact("lamp", ValueKind::Bool));
         for n in 0..MAX_LANE_POINTS as i64 {
             assert!(lane.push(When::exactly(Time::from_nanos(n)), Value::Bool(n % 2 == 0)));
         }

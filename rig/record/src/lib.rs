@@ -26,16 +26,16 @@ mod verdict;
 pub use case::{
     CaseRecord, CaseStatus, FramesKept, Hashes, LogLine, MAX_LOG_LINES, Parameter, StepRecord, TaskFigures,
 };
-pub use claim::{Bounds, ClaimRecord, MeasurementRecord, Origin, Window};
+pub use claim::{Bounds, ClaimOrigin, ClaimRecord, MeasurementRecord, Window};
 pub use compare::{
-    COMPARISON_FORMAT, CaseChange, Change, ClaimChange, Comparison, Erosion, Move, Thresholds, compare,
+    COMPARISON_FORMAT, CaseChange, ClaimChange, Comparison, Erosion, Move, TextChange, Thresholds, compare,
 };
 pub use coverage::{FileCoverage, MAX_COVERED_FILES, MAX_LINE_RANGES};
 pub use figure::Figure;
 pub use json::{MAX_CASES, MAX_JSON_BYTES, RecordError};
 pub use lane::{Lane, LaneKind, LanePoint, LaneValue, MAX_LANE_POINTS};
 pub use machine::{Durations, MACHINE_FORMAT, MAX_MACHINE_BYTES, MachineRecord};
-pub use run::{Clock, FORMAT, OLDEST_FORMAT, Provenance, RequirementFact, RunRecord, Totals};
+pub use run::{FORMAT, OLDEST_FORMAT, Provenance, RequirementFact, RunClock, RunRecord, Totals};
 pub use statistics::{FigureOf, Repeated, RepeatedFigure, Statistics};
 pub use timing::{LateWake, MAX_LATE_WAKES, RigTiming, Wakes};
 pub use verdict::Verdict;

@@ -12,7 +12,7 @@ pub const OLDEST_FORMAT: u32 = 1;
 /// On which clock the cases ran.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Clock {
+pub enum RunClock {
     /// Modelled time, from event to event.
     #[default]
     Virtual,
@@ -20,12 +20,12 @@ pub enum Clock {
     Real,
 }
 
-impl Clock {
+impl RunClock {
     /// The word used in every file and report.
     pub const fn word(self) -> &'static str {
         match self {
-            Clock::Virtual => "virtual",
-            Clock::Real => "real",
+            RunClock::Virtual => "virtual",
+            RunClock::Real => "real",
         }
     }
 }
@@ -44,7 +44,7 @@ pub struct Provenance {
     /// Seed of the run, from which the cases' seeds are derived.
     pub seed: u64,
     /// On which clock.
-    pub clock: Clock,
+    pub clock: RunClock,
     /// The command line as the user gave it, without the program's own path.
     pub arguments: Vec<String>,
     /// When the run began, RFC 3339; nothing where a reproducible record was asked for.

@@ -2,12 +2,12 @@
 
 use proptest::prelude::*;
 use scanrig_record::*;
-use signal::{Kind, SignalInfo, Time, Value, When};
+use signal::{SignalInfo, Time, Value, ValueKind, When};
 
 fn sample() -> RunRecord {
     let provenance = Provenance { seed: u64::MAX, kernel: "6.12.0".into(), ..Provenance::default() };
     let mut run = RunRecord::new("0.1.0", provenance);
-    let mut lane = Lane::of(&SignalInfo::exact("lamp", Kind::Bool));
+    let mut lane = Lane::of(&SignalInfo::exact("lamp", ValueKind::Bool));
     for (at, value) in
         [(0, Value::Unknown), (10, Value::Bool(true)), (20, Value::HighZ), (30, Value::Real(0.1))]
     {
@@ -129,7 +129,7 @@ fn a_record_without_coverage_does_not_speak_of_it() {
 
 #[test]
 fn an_unknown_number_is_never_written_as_a_number() {
-    let mut lane = Lane::of(&SignalInfo::exact("level", Kind::Real));
+    let mut lane = Lane::of(&SignalInfo::exact("level", ValueKind::Real));
     lane.push(When::exactly(Time::ZERO), Value::Real(f64::NAN));
     assert_eq!(lane.points[0].value, LaneValue::Unknown);
 }

@@ -8,7 +8,7 @@ use crate::prepare::{fault_on, state_info};
 use controller::State;
 use drivers::{Board, BoardExt, FaultKind};
 use plans::bench::is_same_for;
-use plans::plan::{Initial, StepCondition};
+use plans::plan::{InitialState, StepCondition};
 use plans::signals::{SignalBinding, SignalSource};
 use plans::steps::Stimulus;
 use plans::{Case, PlanStep, StepTime, value_of};
@@ -48,12 +48,18 @@ pub fn not_applicable_reason(case: &Case, files: &CaseFiles, board: &dyn Board) 
         return Some(String::from("the board names no `run-stop` line of the controller"));
     }
     match settings.initial {
-        Initial::Running => {}
-        Initial::Booting if lines.power.is_some() => {}
-        Initial::Booting => return Some(String::from("the board names no `power` line of the controller")),
-        Initial::Stopped | Initial::Empty if !external.load.is_empty() => {}
-        Initial::Stopped => return Some(String::from("nothing stops a real controller before the case")),
-        Initial::Empty => return Some(String::from("nothing empties a real controller before the case")),
+        InitialState::Running => {}
+        InitialState::Booting if lines.power.is_some() => {}
+        InitialState::Booting => {
+            return Some(String::from("the board names no `power` line of the controller"));
+        }
+        InitialState::Stopped | InitialState::Empty if !external.load.is_empty() => {}
+        InitialState::Stopped => {
+            return Some(String::from("nothing stops a real controller before the case"));
+        }
+        InitialState::Empty => {
+            return Some(String::from("nothing empties a real controller before the case"));
+        }
     }
     let state = state_info(&files.board);
     match (lines.alarm, needed(case, &state)) {

@@ -14,7 +14,7 @@ use controller::{
 use document::{Diagnostic, SourceFile};
 use expert::ExpertFunctions;
 use profile::{ApplicationError, Profile};
-use program::{Elementary, FaultKind, Host, Machine, Options, Pins, Program, Storage};
+use program::{Elementary, Host, Machine, Options, Pins, Program, ProgramFaultKind, Storage};
 use signal::{Address, Area, Cause, Size, Span, Time, Value};
 use std::any::Any;
 use std::sync::Arc;
@@ -232,15 +232,15 @@ impl Application for ProgramApplication {
         let mut host = TaskMemory { memory, functions, task: task as u8 };
         let slice = self.machine.resume(task, now, budget, &mut host);
         let end = match slice.stop {
-            program::Stop::Budget { next } => SliceEnd::Budget { next },
-            program::Stop::Done => SliceEnd::Done,
+            program::StopReason::Budget { next } => SliceEnd::Budget { next },
+            program::StopReason::Done => SliceEnd::Done,
             // Nobody sets breakpoints here yet; a stop at one is no more than the end of a slice.
-            program::Stop::Touched => SliceEnd::Touched,
-            program::Stop::Break => SliceEnd::Break,
-            program::Stop::Service { service, argument } => {
+            program::StopReason::Touched => SliceEnd::Touched,
+            program::StopReason::Break => SliceEnd::Break,
+            program::StopReason::Service { service, argument } => {
                 SliceEnd::SystemCall { call: call_of(service), argument }
             }
-            program::Stop::Fault(fault) => SliceEnd::Fault(application_fault(fault, self.profile)),
+            program::StopReason::Fault(fault) => SliceEnd::Fault(application_fault(fault, self.profile)),
         };
         Slice { used: slice.used, end }
     }
@@ -408,20 +408,20 @@ fn form_of(ty: Elementary) -> RegisterFormat {
 }
 
 /// What the controller makes of a fault of the machine (controller:ERR-01, controller:SYS-03).
-fn application_fault(fault: program::Fault, profile: Profile) -> ApplicationFault {
+fn application_fault(fault: program::ProgramFault, profile: Profile) -> ApplicationFault {
     let (error, class) = match fault.kind {
-        FaultKind::DivisionByZero => (ApplicationError::IntegerDivision, FaultClass::Application),
+        ProgramFaultKind::DivisionByZero => (ApplicationError::IntegerDivision, FaultClass::Application),
         // The 2014 document names an exceeded array as a system error. The later ones do not, and they let
         // system errors that can be managed at run time be treated as application errors (controller:ERR-02).
-        FaultKind::Bounds if profile == Profile::M241_2014 => {
+        ProgramFaultKind::Bounds if profile == Profile::M241_2014 => {
             (ApplicationError::ReservedMemory, FaultClass::System)
         }
-        FaultKind::Bounds | FaultKind::BadReference => {
+        ProgramFaultKind::Bounds | ProgramFaultKind::BadReference => {
             (ApplicationError::ReservedMemory, FaultClass::Application)
         }
         // What lies beyond the stack is memory reserved at run time, and no task can go on without its stack.
-        FaultKind::StackDepth => (ApplicationError::ReservedMemory, FaultClass::System),
-        FaultKind::Internal => (ApplicationError::UndefinedInstruction, FaultClass::System),
+        ProgramFaultKind::StackDepth => (ApplicationError::ReservedMemory, FaultClass::System),
+        ProgramFaultKind::Internal => (ApplicationError::UndefinedInstruction, FaultClass::System),
     };
     ApplicationFault { error, class, file: fault.file, line: fault.line }
 }

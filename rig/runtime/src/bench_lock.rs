@@ -42,14 +42,14 @@ pub struct BenchLock {
 
 /// A device or a line that somebody else has.
 #[derive(Debug)]
-struct Taken {
+struct TakenResource {
     what: String,
-    holder: Option<Holder>,
+    holder: Option<BenchHolder>,
 }
 
 /// Who has it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Holder {
+struct BenchHolder {
     process: u32,
     /// Seconds since 1970.
     since: u64,
@@ -57,8 +57,8 @@ struct Holder {
     command: String,
 }
 
-impl Holder {
-    fn here() -> Holder {
+impl BenchHolder {
+    fn here() -> BenchHolder {
         let command = std::fs::read("/proc/self/cmdline").unwrap_or_default();
         let mut words = command.split(|byte| *byte == 0).map(String::from_utf8_lossy);
         let program = words.next().unwrap_or_default();
@@ -67,7 +67,7 @@ impl Holder {
             std::iter::once(program).chain(words.map(|word| word.into_owned())).collect();
         let uid = rustix::process::geteuid().as_raw();
         let users = std::fs::read_to_string("/etc/passwd").unwrap_or_default();
-        Holder {
+        BenchHolder {
             process: std::process::id(),
             since: now(),
             user: user(&users, uid).unwrap_or_else(|| format!("user {uid}")),
@@ -77,7 +77,7 @@ impl Holder {
 
     /// As it stands in a piece: what is too long is cut.
     fn piece(&self) -> [u8; PIECE as usize] {
-        let Holder { process, since, user, command } = self;
+        let BenchHolder { process, since, user, command } = self;
         let mut text = format!("{process}\t{since}\t{user}\t{command}");
         text.retain(|letter| letter == '\t' || !letter.is_control());
         let mut piece = [0; PIECE as usize];
@@ -88,7 +88,7 @@ impl Holder {
     }
 
     /// What a piece says. Anybody may have written it.
-    fn of(piece: &[u8]) -> Option<Holder> {
+    fn of(piece: &[u8]) -> Option<BenchHolder> {
         let end = piece.iter().position(|byte| *byte == 0).unwrap_or(piece.len());
         let text = String::from_utf8_lossy(&piece[..end]);
         let mut parts = text.splitn(4, '\t');
@@ -98,7 +98,7 @@ impl Holder {
                 part.chars().map(|letter| if letter.is_control() { '?' } else { letter }).collect::<String>(),
             )
         };
-        Some(Holder {
+        Some(BenchHolder {
             process: text()?.parse().ok()?,
             since: text()?.parse().ok()?,
             user: text()?,
@@ -156,8 +156,8 @@ pub fn take(
 }
 
 /// Locks all devices or none.
-fn lock(folder: &Path, used: &[Used]) -> io::Result<Result<BenchLock, Taken>> {
-    let own = Holder::here().piece();
+fn lock(folder: &Path, used: &[Used]) -> io::Result<Result<BenchLock, TakenResource>> {
+    let own = BenchHolder::here().piece();
     let mut files = Vec::new();
     for Used { device, lines } in used {
         let file = open(&folder.join(format!("{device}.lock")))?;
@@ -165,12 +165,13 @@ fn lock(folder: &Path, used: &[Used]) -> io::Result<Result<BenchLock, Taken>> {
             let start = u64::from(*number) * PIECE;
             if !lock_bytes(&file, start, PIECE)? {
                 let mut piece = [0; PIECE as usize];
-                let holder = file.read_exact_at(&mut piece, start).ok().and_then(|()| Holder::of(&piece));
+                let holder =
+                    file.read_exact_at(&mut piece, start).ok().and_then(|()| BenchHolder::of(&piece));
                 let what = match lines {
                     Some(_) => format!("line {number} of {device}"),
                     None => device.trim_start_matches(NETWORK).to_owned(),
                 };
-                return Ok(Err(Taken { what, holder }));
+                return Ok(Err(TakenResource { what, holder }));
             }
             file.write_all_at(&own, start)?;
         }
@@ -226,9 +227,9 @@ fn folder() -> io::Result<PathBuf> {
 }
 
 /// Who has what, since when.
-fn words(taken: &Taken) -> String {
+fn words(taken: &TakenResource) -> String {
     match &taken.holder {
-        Some(Holder { process, since, user, command }) => {
+        Some(BenchHolder { process, since, user, command }) => {
             let lasts = now().saturating_sub(*since);
             let (what, process) = (&taken.what, *process);
             format!("{user} has had {what} for {lasts} s with `{command}`, process {process}")
@@ -237,7 +238,7 @@ fn words(taken: &Taken) -> String {
     }
 }
 
-fn in_use(taken: &Taken, wait: Option<Span>) -> Diagnostic {
+fn in_use(taken: &TakenResource, wait: Option<Span>) -> Diagnostic {
     let mut message = words(taken);
     if let Some(wait) = wait {
         message += &format!(", and it did not come free within {wait}");
@@ -296,13 +297,14 @@ mod tests {
 
     #[test]
     fn what_others_wrote_is_read_with_care() {
-        let holder = Holder { process: 7, since: 9, user: "eve".into(), command: "x\u{1b}[2J".repeat(99) };
-        let read = Holder::of(&holder.piece()).unwrap();
+        let holder =
+            BenchHolder { process: 7, since: 9, user: "eve".into(), command: "x\u{1b}[2J".repeat(99) };
+        let read = BenchHolder::of(&holder.piece()).unwrap();
         assert_eq!((read.process, read.since, read.user.as_str()), (7, 9, "eve"));
         assert!(read.command.starts_with("x[2Jx") && read.command.len() < 256);
-        assert_eq!(Holder::of(b"7\t9\te\x1bve\tr\xffm\0").unwrap().user, "e?ve");
+        assert_eq!(BenchHolder::of(b"7\t9\te\x1bve\tr\xffm\0").unwrap().user, "e?ve");
         for broken in [&b""[..], b"x\t9\teve\tr", b"7\t9\teve", &[255; 256], b"-1\t9\teve\tr"] {
-            assert_eq!(Holder::of(broken), None, "{broken:?}");
+            assert_eq!(BenchHolder::of(broken), None, "{broken:?}");
         }
         assert_eq!(user("root:x:0:0:r:/root:/bin/sh\neve:x:7:7::/:", 7).as_deref(), Some("eve"));
         assert_eq!(user("nonsense", 7), None);

@@ -8,7 +8,7 @@ use crate::case_ending::CaseEnding;
 use crate::case_files::CaseFiles;
 use crate::describe;
 use crate::look_up;
-use crate::prepare::Prepared;
+use crate::prepare::PreparedCase;
 use crate::schedule::{Act, Due, EndReason, Schedule, Timing};
 use capture::{Capture, CapturedChannel, ChannelType, Knowledge};
 use document::Diagnostic;
@@ -16,14 +16,14 @@ use plans::Case;
 use plans::lang::{Anchor, AnchorBase};
 use plans::steps::CasePart;
 use signal::{
-    Cause, ClockDomain, Event, Kind, Policy, Sampling, SignalId, SignalInfo, Span, Time, Trace, TraceError,
-    Value, When,
+    Cause, ClockDomain, Event, Policy, Sampling, SignalId, SignalInfo, Span, Time, Trace, TraceError, Value,
+    ValueKind, When,
 };
 
 /// The signals and steps of a case, as a run would have them.
 #[derive(Debug)]
 pub struct CaseLayout {
-    prepared: Prepared,
+    prepared: PreparedCase,
 }
 
 /// Lays out a case.
@@ -79,21 +79,23 @@ pub fn misfit(
     };
     let numbers = channel.shape != ChannelType::Bit;
     match (info.kind, threshold) {
-        (Kind::Bool, None) if numbers => Some((
+        (ValueKind::Bool, None) if numbers => Some((
             format!("`{signal}` is TRUE or FALSE, and `{name}` has {shape}"),
             format!("say above which value it is TRUE: --map \"{name}={signal}@2.5\""),
         )),
-        (Kind::Bool, _) => None,
+        (ValueKind::Bool, _) => None,
         (_, Some(_)) => Some((
             format!("`{signal}` is a number and has no threshold"),
             format!("write --map \"{name}={signal}\""),
         )),
-        (Kind::Real, None) if !channel.unit.is_empty() && channel.unit != info.unit => Some((
+        (ValueKind::Real, None) if !channel.unit.is_empty() && channel.unit != info.unit => Some((
             format!("`{name}` is in {}, and `{signal}` in {}", channel.unit, or_none(&info.unit)),
             format!("write the column in {}", or_none(&info.unit)),
         )),
-        (Kind::Real, None) => None,
-        (Kind::Int | Kind::Word | Kind::State | Kind::Mark, None) if channel.shape == ChannelType::Real => {
+        (ValueKind::Real, None) => None,
+        (ValueKind::Int | ValueKind::Word | ValueKind::State | ValueKind::Mark, None)
+            if channel.shape == ChannelType::Real =>
+        {
             Some((
                 format!("`{signal}` has whole numbers, and `{name}` has {shape}"),
                 String::from("map a channel of whole numbers"),
@@ -117,18 +119,18 @@ pub struct Instants {
 }
 
 /// A value of the capture as the signal has it.
-fn fit(value: Value, kind: Kind, threshold: Option<f64>) -> Value {
+fn fit(value: Value, kind: ValueKind, threshold: Option<f64>) -> Value {
     let number = value.as_real();
     match (kind, threshold) {
         _ if matches!(value, Value::HighZ | Value::Unknown) => value,
-        (Kind::Bool, Some(threshold)) => {
+        (ValueKind::Bool, Some(threshold)) => {
             number.map_or(Value::Unknown, |number| Value::Bool(number > threshold))
         }
-        (Kind::Bool, None) => value.as_bool().map_or(Value::Unknown, Value::Bool),
-        (Kind::Real, _) => number.map_or(Value::Unknown, Value::Real),
-        (Kind::Word, _) => value.as_int().map_or(Value::Unknown, |n| Value::Word(n as u64)),
+        (ValueKind::Bool, None) => value.as_bool().map_or(Value::Unknown, Value::Bool),
+        (ValueKind::Real, _) => number.map_or(Value::Unknown, Value::Real),
+        (ValueKind::Word, _) => value.as_int().map_or(Value::Unknown, |n| Value::Word(n as u64)),
         // The low 64 bits: two's complement, as dumps have them.
-        (Kind::Int | Kind::State | Kind::Mark, _) => {
+        (ValueKind::Int | ValueKind::State | ValueKind::Mark, _) => {
             value.as_int().map_or(Value::Unknown, |n| Value::Int(n as i64))
         }
     }
@@ -146,7 +148,7 @@ pub fn trace(
     wires: &[ChannelMapping],
     instants: Option<&Instants>,
 ) -> Result<Trace, TraceError> {
-    let Prepared { trace: model, mut steps, .. } = layout.prepared;
+    let PreparedCase { trace: model, mut steps, .. } = layout.prepared;
     let mut trace = Trace::new();
     for (place, info) in model.signals().iter().enumerate() {
         let wired = wires.iter().any(|wire| wire.signal == place);

@@ -6,12 +6,12 @@ use crate::check;
 use crate::clock::{Clock, HostClock, LateClock, VirtualClock};
 use crate::configure::initial_state;
 use crate::coverage::{Collector, CoveredFile};
-use crate::executor::{Executor, ExecutorReport, Limits, Parts};
+use crate::executor::{Executor, ExecutorLimits, ExecutorReport, Parts};
 use crate::hardware::{Hardware, in_virtual_time};
 use crate::look_up::look_up;
 use crate::needs::{Unmet, unmet};
 use crate::operator::Operator;
-use crate::prepare::{NOT_PROMISED, Prepared};
+use crate::prepare::{NOT_PROMISED, PreparedCase};
 use crate::recorder::Recorder;
 use crate::scan_port::{self, ScanPort};
 
@@ -251,7 +251,7 @@ fn run_here(
     }
     let TestSetup { mut subject, mut board, program, .. } = stage;
     let initial = initial_state(case.settings.initial);
-    let Prepared { mut trace, mut wiring, steps, probes, mut alarms, .. } = prepared;
+    let PreparedCase { mut trace, mut wiring, steps, probes, mut alarms, .. } = prepared;
     describe::annotate(&mut trace, case, files, &*subject, clock.name());
     describe::promises(&mut trace, &wiring, board.channels());
     let mut judge = CaseJudge::new(case.scenario(), trace.signals())?;
@@ -263,7 +263,7 @@ fn run_here(
         show(&mut recorder, *signal, subject.read(probe));
     }
     let mut schedule = Schedule::new(steps, case.ends.clone());
-    let limits = Limits {
+    let limits = ExecutorLimits {
         initial,
         late: hardware.and_then(Hardware::late).unwrap_or(options.late),
         slice: options.slice,
@@ -288,7 +288,7 @@ fn run_here(
         loop_counter: options.loop_counter,
     };
     let mut port = options.live.map(scan_port::lock);
-    let executor = Executor::new(parts, limits).serving(port.as_deref_mut(), scan_port::Role::Case);
+    let executor = Executor::new(parts, limits).serving(port.as_deref_mut(), scan_port::ExecutorRole::Case);
     let entered = hardware.map(Hardware::enter);
     let mut ran = match stepper {
         Some(stepper) => executor.stepping(stepper).run(),

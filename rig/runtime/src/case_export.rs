@@ -3,7 +3,7 @@
 use crate::case_files::CaseFiles;
 use crate::hook::Hook;
 use plans::Case;
-use plans::plan::{HaltOutputs, Initial, OutputsInStop, Rearming, StartingMode};
+use plans::plan::{HaltOutputs, InitialState, OutputsInStop, Rearming, StartingMode};
 use signal::Span;
 use std::io;
 use std::path::Path;
@@ -51,10 +51,10 @@ fn settings(case: &Case) -> String {
     line(
         "initial",
         word(match given.initial {
-            Initial::Running => "running",
-            Initial::Stopped => "stopped",
-            Initial::Empty => "empty",
-            Initial::Booting => "booting",
+            InitialState::Running => "running",
+            InitialState::Stopped => "stopped",
+            InitialState::Empty => "empty",
+            InitialState::Booting => "booting",
         }),
     );
     line(

@@ -8,7 +8,7 @@ use controller::{Config, Led, Probe, SystemType, SystemVariable, TaskConfig};
 use expert::ExpertConfig;
 use profile::Reference;
 use program::{Elementary, Program, Storage};
-use signal::{Address, Kind};
+use signal::{Address, ValueKind};
 use std::sync::Arc;
 
 /// The names, without the controller that has them: they can be looked up while it runs elsewhere.
@@ -105,7 +105,7 @@ impl Catalogue {
     /// What a name means: a system variable, an indicator, a fact of a function, an address, or a variable's path.
     pub fn observable(&self, name: &str) -> Option<Observable> {
         if let Some(variable) = SystemVariable::find(name) {
-            let kind = if variable.ty() == SystemType::Bool { Kind::Bool } else { Kind::Word };
+            let kind = if variable.ty() == SystemType::Bool { ValueKind::Bool } else { ValueKind::Word };
             return Some(Observable { probe: Probe::System(variable), kind });
         }
         if let Some(found) = indicator(name, self.reference.output_count()) {
@@ -203,26 +203,26 @@ fn indicator(name: &str, outputs: usize) -> Option<Observable> {
             None => (Led::find(led)?, false),
         };
         return Some(match lit {
-            true => Observable { probe: Probe::LedLit(led), kind: Kind::Bool },
-            false => Observable { probe: Probe::Led(led), kind: Kind::State },
+            true => Observable { probe: Probe::LedLit(led), kind: ValueKind::Bool },
+            false => Observable { probe: Probe::Led(led), kind: ValueKind::State },
         });
     }
     let output = upper.strip_prefix("OUTPUT.Q")?.parse().ok().filter(|output| *output < outputs)?;
-    Some(Observable { probe: Probe::Output(output), kind: Kind::State })
+    Some(Observable { probe: Probe::Output(output), kind: ValueKind::State })
 }
 
 fn of_address(address: Address) -> Observable {
-    let kind = if address.bit_len() == 1 { Kind::Bool } else { Kind::Word };
+    let kind = if address.bit_len() == 1 { ValueKind::Bool } else { ValueKind::Word };
     Observable { probe: Probe::Address(address), kind }
 }
 
-fn kind_of(ty: Elementary) -> Kind {
+fn kind_of(ty: Elementary) -> ValueKind {
     match ty {
-        Elementary::Bool => Kind::Bool,
-        Elementary::Real | Elementary::Lreal => Kind::Real,
+        Elementary::Bool => ValueKind::Bool,
+        Elementary::Real | Elementary::Lreal => ValueKind::Real,
         Elementary::Byte | Elementary::Word | Elementary::Dword | Elementary::Lword | Elementary::Ulint => {
-            Kind::Word
+            ValueKind::Word
         }
-        _ => Kind::Int,
+        _ => ValueKind::Int,
     }
 }

@@ -3,9 +3,9 @@
 
 use crate::case_files::CaseFiles;
 use crate::codes;
-use crate::generator::Generator;
+use crate::generator::StimulusGenerator;
 use crate::needs::{Unmet, unmet};
-use crate::prepare::Prepared;
+use crate::prepare::PreparedCase;
 use crate::schedule::{Act, PlannedStep, Timing};
 use crate::subject::Subject;
 use document::Diagnostic;
@@ -23,7 +23,7 @@ pub(crate) struct CaseOnBench<'a> {
     pub(crate) files: &'a CaseFiles,
     pub(crate) subject: &'a dyn Subject,
     pub(crate) board: &'a dyn Board,
-    pub(crate) prepared: &'a Prepared,
+    pub(crate) prepared: &'a PreparedCase,
 }
 
 /// Errors in the claims of a case, and what is worth knowing about them.
@@ -212,7 +212,10 @@ impl MovableChannels {
                     _ => {}
                 }
             }
-            step.generator.iter().flat_map(Generator::channels).for_each(|channel| moved.mark(channel));
+            step.generator
+                .iter()
+                .flat_map(StimulusGenerator::channels)
+                .for_each(|channel| moved.mark(channel));
         }
         moved
     }

@@ -9,15 +9,15 @@ use controller::{
     WatchdogBasis,
 };
 use document::Diagnostic;
-use plans::plan::{Initial, Settings};
+use plans::plan::{InitialState, PlanSettings};
 
 /// The state in which a case begins.
-pub const fn initial_state(initial: Initial) -> State {
+pub const fn initial_state(initial: InitialState) -> State {
     match initial {
-        Initial::Running => State::Running,
-        Initial::Stopped => State::Stopped,
-        Initial::Empty => State::Empty,
-        Initial::Booting => State::Booting,
+        InitialState::Running => State::Running,
+        InitialState::Stopped => State::Stopped,
+        InitialState::Empty => State::Empty,
+        InitialState::Booting => State::Booting,
     }
 }
 
@@ -25,7 +25,7 @@ pub const fn initial_state(initial: Initial) -> State {
 ///
 /// # Errors
 /// A finding in the plan: an input or an output that the reference does not have, parameters that exclude each other.
-pub fn configuration(settings: &Settings, files: &CaseFiles) -> Result<Config, Vec<Diagnostic>> {
+pub fn configuration(settings: &PlanSettings, files: &CaseFiles) -> Result<Config, Vec<Diagnostic>> {
     let mut config = Config::new(files.profile);
     config.reference = files.reference;
     if let Some(mode) = settings.starting_mode {

@@ -8,8 +8,8 @@ use drivers::Channel;
 use plans::Case;
 use plans::judge::counts_note;
 use plans::steps::ProgramRef;
-use plans::steps::{DisturbanceKind, FileOperation, LineFault, PlanCommand, Stimulus, WaveShape};
-use record::{CaseRecord, Hashes, Origin, Parameter, StepRecord};
+use plans::steps::{DisturbanceKind, FileOperation, LineFault, PlanCommand, Stimulus, StimulusShape};
+use record::{CaseRecord, ClaimOrigin, Hashes, Parameter, StepRecord};
 use sha2::{Digest, Sha256};
 use signal::Trace;
 
@@ -116,7 +116,7 @@ pub(crate) fn annotate_files(trace: &mut Trace, case: &Case, files: &CaseFiles, 
     }
     // Whole, so that a trace can be judged again without the files.
     for (place, guards) in files.guards.iter().enumerate() {
-        let kind = if guards.origin() == Origin::Board { "board" } else { "suite" };
+        let kind = if guards.origin() == ClaimOrigin::Board { "board" } else { "suite" };
         let file = guards.file();
         trace.set_note(&format!("guards:{place:03}:{kind}:{}", file.name), file.text.clone());
     }
@@ -249,10 +249,10 @@ pub fn what(stimulus: &Stimulus) -> String {
         Stimulus::Wave(wave) => {
             let lasts = wave.lasts.map_or_else(String::new, |lasts| format!(" for {lasts}"));
             match &wave.shape {
-                WaveShape::Ramp { from: Some(from), to } => {
+                StimulusShape::Ramp { from: Some(from), to } => {
                     format!("{} from {from} to {to}{lasts}", wave.signal)
                 }
-                WaveShape::Ramp { from: None, to } => format!("{} to {to}{lasts}", wave.signal),
+                StimulusShape::Ramp { from: None, to } => format!("{} to {to}{lasts}", wave.signal),
                 _ => format!("{} on {}{lasts}", wave.verb(), wave.signal),
             }
         }

@@ -39,7 +39,7 @@ enum Way {
 
 /// A real controller.
 #[derive(Debug)]
-pub struct External {
+pub struct ExternalController {
     settings: Settings,
     hook: Hook,
     initial: State,
@@ -61,7 +61,7 @@ pub struct External {
     loaded: bool,
 }
 
-impl External {
+impl ExternalController {
     /// A controller whose case begins in `initial`, with its switch at Run or not.
     pub fn new(
         file: &BoardFile,
@@ -70,12 +70,12 @@ impl External {
         initial: State,
         run: bool,
         hook: Hook,
-    ) -> External {
+    ) -> ExternalController {
         let safe = |channel: Option<ChannelId>| {
             let channel = channel.and_then(|channel| board.channels().get(usize::from(channel.0)));
             channel.is_some_and(|channel| channel.safe == Value::Bool(true))
         };
-        External {
+        ExternalController {
             settings,
             hook,
             initial,
@@ -123,7 +123,7 @@ impl External {
     fn switch_supply(&mut self, now: Time, on: bool, effects: &mut Effects) {
         if self.has_power {
             self.supply = on;
-            External::put(now, POWER, on, effects);
+            ExternalController::put(now, POWER, on, effects);
         }
     }
 
@@ -159,7 +159,7 @@ impl External {
     }
 }
 
-impl Subject for External {
+impl Subject for ExternalController {
     fn inner(&self) -> Option<&dyn Subject> {
         None
     }
@@ -195,7 +195,7 @@ impl Subject for External {
             self.switch_supply(now, on, effects);
         } else if on {
             if self.has_switch {
-                External::put(now, RUN_STOP, self.run, effects);
+                ExternalController::put(now, RUN_STOP, self.run, effects);
             }
             if self.settings.load.is_empty() {
                 self.set_out(now, effects);
@@ -273,7 +273,7 @@ impl Subject for External {
         match command {
             Command::Switch(run) if self.has_switch => {
                 self.run = *run;
-                External::put(now, RUN_STOP, *run, effects);
+                ExternalController::put(now, RUN_STOP, *run, effects);
                 Ok(())
             }
             _ => Err(CommandError::State(self.state())),
@@ -287,7 +287,7 @@ impl Subject for External {
     }
 }
 
-impl Startup for External {
+impl Startup for ExternalController {
     fn load(&mut self, interrupt: &AtomicBool) -> Result<(), HookError> {
         if self.settings.load.is_empty() {
             return Ok(());
@@ -330,7 +330,7 @@ impl Startup for External {
 }
 
 /// Whatever ended the case, what was loaded is unloaded.
-impl Drop for External {
+impl Drop for ExternalController {
     fn drop(&mut self) {
         if self.loaded {
             let _ = self.unload(&AtomicBool::new(false));

@@ -5,7 +5,7 @@ use crate::describe::hex;
 use document::Diagnostic;
 use drivers::gpio::GpioSpec;
 use drivers::{BoardFile, BoardKind};
-use host::{Histogram, Machine};
+use host::{Histogram, HostMachine};
 use record::{Durations, MAX_MACHINE_BYTES, MachineRecord};
 use sha2::{Digest, Sha256};
 use signal::Span;
@@ -177,7 +177,7 @@ pub struct MachineFigures {
 
 /// What is kept of this machine with the devices of a board.
 pub fn standing(file: &BoardFile) -> MachineFigures {
-    standing_in(folder().as_deref(), file, &Machine::here().identity())
+    standing_in(folder().as_deref(), file, &HostMachine::here().identity())
 }
 
 fn standing_in(folder: Option<&Path>, file: &BoardFile, machine: &[(String, String)]) -> MachineFigures {

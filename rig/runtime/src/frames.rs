@@ -3,7 +3,7 @@
 use drivers::{Board, BoardExt, Bus, BusId, BusKind};
 use plans::frames::can::{FramePattern, FrameSignal, FrameView};
 use plans::steps::OutFrame;
-use signal::{CanFrame, Kind, MAX_CAN_DATA, SignalId, SignalInfo, Value};
+use signal::{CanFrame, MAX_CAN_DATA, SignalId, SignalInfo, Value, ValueKind};
 use std::sync::Arc;
 
 /// What a signal shows of the frames that it stands for.
@@ -19,26 +19,26 @@ enum Shows {
 
 /// A signal that follows the frames of a bus.
 #[derive(Clone, Debug)]
-pub struct Watch {
+pub struct FrameWatch {
     /// The signal.
     pub signal: SignalId,
     pattern: Arc<FramePattern>,
     shows: Shows,
 }
 
-impl Watch {
+impl FrameWatch {
     /// Counts frames.
-    pub fn counting(signal: SignalId, pattern: Arc<FramePattern>) -> Watch {
-        Watch { signal, pattern, shows: Shows::Count(0) }
+    pub fn counting(signal: SignalId, pattern: Arc<FramePattern>) -> FrameWatch {
+        FrameWatch { signal, pattern, shows: Shows::Count(0) }
     }
 
     /// Shows the value that frames carry.
-    pub fn reading(signal: SignalId, source: &Arc<FrameSignal>) -> Watch {
+    pub fn reading(signal: SignalId, source: &Arc<FrameSignal>) -> FrameWatch {
         let shows = match has_names(source) {
             true => Shows::Named(Arc::clone(source)),
             false => Shows::Value(Arc::clone(source)),
         };
-        Watch { signal, pattern: Arc::new(source.pattern.clone()), shows }
+        FrameWatch { signal, pattern: Arc::new(source.pattern.clone()), shows }
     }
 
     /// What the signal is before any frame; `None` for what only a frame shows.
@@ -83,15 +83,15 @@ fn has_names(source: &FrameSignal) -> bool {
 
 /// The signal of a number of frames.
 pub fn count_info(name: &str, bus: &Bus) -> SignalInfo {
-    stamped(SignalInfo::exact(name, Kind::Int), bus)
+    stamped(SignalInfo::exact(name, ValueKind::Int), bus)
 }
 
 /// The signal of a value in frames.
 pub fn value_info(name: &str, source: &FrameSignal, bus: &Bus) -> SignalInfo {
     let field = &source.field;
     let info = match has_names(source) {
-        true => SignalInfo { labels: field.labels.clone(), ..SignalInfo::exact(name, Kind::State) },
-        false => SignalInfo { unit: field.unit.clone(), ..SignalInfo::exact(name, Kind::Real) },
+        true => SignalInfo { labels: field.labels.clone(), ..SignalInfo::exact(name, ValueKind::State) },
+        false => SignalInfo { unit: field.unit.clone(), ..SignalInfo::exact(name, ValueKind::Real) },
     };
     stamped(info, bus)
 }

@@ -15,7 +15,7 @@ use drivers::{
     LoopbackPair, RealtimeSettings,
 };
 use guard::{Guard, GuardError, GuardHandle, MissingPrivileges};
-use host::{Entered, Privilege, Punctual, Refused, Role};
+use host::{Entered, Privilege, Punctual, Refused, ThreadRole};
 use signal::{Span, Time, Value};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
@@ -71,7 +71,7 @@ impl Hardware {
         settings: RealtimeSettings,
     ) -> Hardware {
         let punctual = Punctual::begin();
-        let mut refused = settings.threads().refused(Role::Edges);
+        let mut refused = settings.threads().refused(ThreadRole::Edges);
         refused.extend(&punctual.refused);
         Hardware {
             place: Arc::new(BoardSlot { board: Mutex::new(Some(board)), back: Condvar::new() }),
@@ -214,7 +214,7 @@ impl Hardware {
 
     /// The calling thread becomes one that runs the scan loop, until what comes back is dropped.
     pub fn enter(&self) -> Entered {
-        self.settings.threads().enter_for_now(Role::Scan)
+        self.settings.threads().enter_for_now(ThreadRole::Scan)
     }
 
     /// What the kernel refuses the run, each with its fix: warnings, to be shown once.

@@ -5,16 +5,16 @@ use crate::codes;
 use crate::observable::Observable;
 use controller::{Config, ConfigError, InputConfig, InputFault, InputProbe, Probe, RunStopFault};
 use document::Diagnostic;
-use plans::plan::Settings;
+use plans::plan::PlanSettings;
 use profile::InputFilter;
-use signal::{Address, Kind};
+use signal::{Address, ValueKind};
 use std::ops::Range;
 
 /// Puts what a plan says of inputs into the configuration.
 ///
 /// # Errors
 /// A finding at the setting: an input that the reference does not have, parameters that exclude each other.
-pub fn configure(config: &mut Config, settings: &Settings, plan: &str) -> Result<(), Vec<Diagnostic>> {
+pub fn configure(config: &mut Config, settings: &PlanSettings, plan: &str) -> Result<(), Vec<Diagnostic>> {
     let count = config.reference.input_count();
     let everywhere = InputConfig::filtered(settings.filter.unwrap_or_default());
     config.inputs = vec![everywhere; count];
@@ -54,7 +54,7 @@ pub fn configure(config: &mut Config, settings: &Settings, plan: &str) -> Result
 }
 
 /// A refusal of the controller at the setting that it is about, with what fixes it.
-fn refusal(error: &ConfigError, settings: &Settings, plan: &str) -> Diagnostic {
+fn refusal(error: &ConfigError, settings: &PlanSettings, plan: &str) -> Diagnostic {
     let (code, at, help) = match error {
         ConfigError::Input { input, fault } => {
             let said = settings.inputs.iter().find(|said| said.address.bit_offset() as usize == *input);
@@ -86,7 +86,7 @@ fn refusal(error: &ConfigError, settings: &Settings, plan: &str) -> Diagnostic {
 pub fn latched_for_mast<'a>(
     program: &program::Program,
     readers: impl Iterator<Item = (&'a str, &'a Vec<usize>)>,
-    settings: &Settings,
+    settings: &PlanSettings,
     plan: &str,
 ) -> Result<(), Vec<Diagnostic>> {
     for (task, programs) in readers.filter(|(task, _)| !task.eq_ignore_ascii_case("MAST")) {
@@ -114,7 +114,7 @@ pub fn observable(name: &str, inputs: usize) -> Option<Observable> {
         input.strip_prefix(['I', 'i']).filter(|digits| digits.bytes().all(|c| c.is_ascii_digit()))?;
     let input = number.parse().ok().filter(|input| *input < inputs)?;
     let part = PARTS.iter().find(|(known, _)| known.eq_ignore_ascii_case(part))?.1;
-    let kind = if part == InputProbe::Events { Kind::Int } else { Kind::Bool };
+    let kind = if part == InputProbe::Events { ValueKind::Int } else { ValueKind::Bool };
     Some(Observable { probe: Probe::Input { input, part }, kind })
 }
 

@@ -1,7 +1,7 @@
 //! Excerpts of the trace for the record, so that reports draw without it.
 
 use record::{CaseRecord, Lane, Verdict};
-use signal::{Event, Kind, SignalId, SignalInfo, Time, Trace};
+use signal::{Event, SignalId, SignalInfo, Time, Trace, ValueKind};
 use std::collections::VecDeque;
 
 /// Signals that one case shows.
@@ -17,7 +17,7 @@ pub fn excerpts(record: &CaseRecord, trace: &Trace) -> Vec<Lane> {
     let focus = focus(record, from);
     let mut shown: Vec<Excerpt> = Vec::new();
     for (place, info) in trace.signals().iter().enumerate() {
-        if info.kind != Kind::Mark && shown.len() < MOST_LANES {
+        if info.kind != ValueKind::Mark && shown.len() < MOST_LANES {
             let id = SignalId(place as u32);
             shown.push(Excerpt { id, before: None, kept: VecDeque::new(), dropped: false, cut: false });
         }

@@ -4,7 +4,7 @@ use crate::applicability;
 use crate::case_files::CaseFiles;
 use crate::check;
 use crate::needs::{Unmet, unmet};
-use crate::prepare::Prepared;
+use crate::prepare::PreparedCase;
 use crate::test_setup::set_up;
 use document::Diagnostic;
 use plans::Case;
@@ -12,7 +12,7 @@ use plans::judge::CaseJudge;
 use signal::{Span, Trace};
 
 /// Builds subject and board of a case and looks up its names: signals and steps as a run would have them.
-pub(crate) fn lay_out(case: &Case, files: &CaseFiles) -> Result<Prepared, Vec<Diagnostic>> {
+pub(crate) fn lay_out(case: &Case, files: &CaseFiles) -> Result<PreparedCase, Vec<Diagnostic>> {
     let case = &*files.guarded(case)?;
     set_up(case, files, None)?.prepare(case, files, Trace::new(), true)
 }

@@ -5,7 +5,7 @@ use crate::capability::Capability;
 use crate::catalogue::Catalogue;
 use crate::coverage::Collector;
 use crate::schedule::FileAction;
-use crate::subject::{Disturbances, ExpertFunctions, FileAccess, Observation, Ports, Subject};
+use crate::subject::{Disturbances, ExpertFunctionAccess, FileAccess, Observation, PortAccess, Subject};
 use crate::variable_numbers::VariableNumbers;
 use controller::{
     Command, CommandError, Config, ConfigError, Controller, Disturbance, Effect, Effects, Endpoint,
@@ -20,12 +20,12 @@ use std::sync::Arc;
 
 /// The model as subject.
 #[derive(Debug)]
-pub struct Model {
+pub struct ModelledController {
     controller: Controller,
     catalogue: Catalogue,
 }
 
-impl Model {
+impl ModelledController {
     /// A model without power. `program` is what its variables' names mean, if there is one; what runs of the
     /// applications that it loads is added to the collector, if there is one.
     ///
@@ -36,8 +36,8 @@ impl Model {
         program: Option<Arc<Program>>,
         store: Box<dyn NonVolatile>,
         collector: Option<Collector>,
-    ) -> Result<Model, ConfigError> {
-        Model::with_modules(config, program, store, collector, Vec::new())
+    ) -> Result<ModelledController, ConfigError> {
+        ModelledController::with_modules(config, program, store, collector, Vec::new())
     }
 
     /// The same with modules after the embedded inputs and outputs, in the order of their numbers.
@@ -50,11 +50,14 @@ impl Model {
         store: Box<dyn NonVolatile>,
         collector: Option<Collector>,
         modules: Vec<Box<dyn IoModule>>,
-    ) -> Result<Model, ConfigError> {
+    ) -> Result<ModelledController, ConfigError> {
         let names = VariableNumbers::default();
         let loader = Box::new(BundleLoader::new(config.profile).covered(collector).named(names.clone()));
         let catalogue = Catalogue::new(&config, program, names);
-        Ok(Model { controller: Controller::with_modules(config, loader, store, modules)?, catalogue })
+        Ok(ModelledController {
+            controller: Controller::with_modules(config, loader, store, modules)?,
+            catalogue,
+        })
     }
 
     /// VariableNumbers of further programs mean something too, after those that it knows.
@@ -97,7 +100,7 @@ impl Model {
     }
 }
 
-impl Subject for Model {
+impl Subject for ModelledController {
     fn inner(&self) -> Option<&dyn Subject> {
         None
     }
@@ -191,16 +194,16 @@ impl Subject for Model {
         Some(self)
     }
 
-    fn expert_functions(&mut self) -> Option<&mut dyn ExpertFunctions> {
+    fn expert_functions(&mut self) -> Option<&mut dyn ExpertFunctionAccess> {
         Some(self)
     }
 
-    fn ports(&mut self) -> Option<&mut dyn Ports> {
+    fn ports(&mut self) -> Option<&mut dyn PortAccess> {
         Some(self)
     }
 }
 
-impl Observation for Model {
+impl Observation for ModelledController {
     fn watch(&mut self, probe: Probe) -> ProbeId {
         self.controller.watch(probe)
     }
@@ -237,7 +240,7 @@ impl Observation for Model {
     }
 }
 
-impl FileAccess for Model {
+impl FileAccess for ModelledController {
     fn file(&mut self, now: Time, act: &FileAction, effects: &mut Effects) -> Result<(), FileError> {
         let (path, user) = (act.path.as_str(), act.user);
         match &act.deed {
@@ -255,7 +258,7 @@ impl FileAccess for Model {
     }
 }
 
-impl Disturbances for Model {
+impl Disturbances for ModelledController {
     fn disturb(&mut self, now: Time, disturbance: Disturbance, effects: &mut Effects) {
         self.controller.disturb(now, disturbance, effects);
     }
@@ -269,7 +272,7 @@ impl Disturbances for Model {
     }
 }
 
-impl Ports for Model {
+impl PortAccess for ModelledController {
     fn receive(&mut self, now: Time, port: usize, event: &PortEvent, effects: &mut Effects) {
         let before = effects.list.len();
         self.controller.receive(now, port, event, effects);
@@ -281,7 +284,7 @@ impl Ports for Model {
     }
 }
 
-impl ExpertFunctions for Model {
+impl ExpertFunctionAccess for ModelledController {
     fn offload_pulses(&mut self, outputs: &[IoChannel]) {
         self.controller.offload_pulses(outputs);
     }

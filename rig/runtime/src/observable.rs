@@ -2,7 +2,7 @@
 
 use controller::{LedPattern, OutputState, Probe};
 use expert::{AxisState, FunctionProbe};
-use signal::Kind;
+use signal::ValueKind;
 
 /// Something inside the subject that a plan may look at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,7 +10,7 @@ pub struct Observable {
     /// What the subject calls it.
     pub probe: Probe,
     /// What its values are.
-    pub kind: Kind,
+    pub kind: ValueKind,
 }
 
 impl Observable {

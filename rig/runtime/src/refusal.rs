@@ -6,7 +6,7 @@ use crate::codes;
 use crate::look_up::look_up;
 use document::Diagnostic;
 use plans::Case;
-use plans::plan::Refusal;
+use plans::plan::ExpectedRefusal;
 use record::{CaseRecord, ClaimRecord, Verdict};
 
 /// What the check of the case finds: errors, or else what is worth knowing of its tasks and of its program.
@@ -21,7 +21,11 @@ fn found(case: &Case, files: &CaseFiles) -> Vec<Diagnostic> {
 }
 
 /// What the check of the case finds, held against what it must find: what was observed, or what is wrong.
-fn judge(case: &Case, files: &CaseFiles, refusal: &Refusal) -> (Result<String, String>, Vec<Diagnostic>) {
+fn judge(
+    case: &Case,
+    files: &CaseFiles,
+    refusal: &ExpectedRefusal,
+) -> (Result<String, String>, Vec<Diagnostic>) {
     let found = if refusal.found.is_empty() { found(case, files) } else { refusal.found.clone() };
     (refusal.judge(&found), found)
 }
@@ -30,7 +34,11 @@ fn judge(case: &Case, files: &CaseFiles, refusal: &Refusal) -> (Result<String, S
 ///
 /// # Errors
 /// What was found instead.
-pub(crate) fn check(case: &Case, files: &CaseFiles, refusal: &Refusal) -> Result<(), Vec<Diagnostic>> {
+pub(crate) fn check(
+    case: &Case,
+    files: &CaseFiles,
+    refusal: &ExpectedRefusal,
+) -> Result<(), Vec<Diagnostic>> {
     let (judged, mut found) = judge(case, files, refusal);
     match judged {
         Ok(_) => Ok(()),
@@ -48,7 +56,7 @@ pub(crate) fn check(case: &Case, files: &CaseFiles, refusal: &Refusal) -> Result
 }
 
 /// Judges a case by what its check finds.
-pub(crate) fn run(case: &Case, files: &CaseFiles, refusal: &Refusal, record: &mut CaseRecord) {
+pub(crate) fn run(case: &Case, files: &CaseFiles, refusal: &ExpectedRefusal, record: &mut CaseRecord) {
     let verb = if refusal.warning { "warned" } else { "refused" };
     let mut claim = ClaimRecord {
         name: verb.to_owned(),

@@ -4,7 +4,7 @@
 mod awaited;
 mod progress;
 
-use crate::generator::{BoardOrder, Generator};
+use crate::generator::{BoardOrder, StimulusGenerator};
 use controller::{Command, Disturbance, FileUser, Probe};
 use drivers::{ChannelId, Fault};
 use plans::lang::{Anchor, AnchorBase};
@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 pub use awaited::AwaitedChange;
 pub use progress::EndReason;
-use progress::Progress;
+use progress::ScheduleProgress;
 
 /// One thing that a step does, with every name resolved.
 #[derive(Clone, Debug, PartialEq)]
@@ -120,7 +120,7 @@ pub struct PlannedStep {
     /// What it does, by the time since its beginning, in order.
     pub acts: Vec<(Span, Act)>,
     /// What goes on from its beginning, if anything.
-    pub generator: Option<Generator>,
+    pub generator: Option<StimulusGenerator>,
     /// How long after its beginning it is done.
     pub lasts: Span,
 }
@@ -209,7 +209,7 @@ pub struct Schedule {
     running: Vec<GeneratorProgress>,
     /// By channel: the step whose generator drives it.
     drivers: Vec<Option<usize>>,
-    progress: Progress,
+    progress: ScheduleProgress,
     queue: BinaryHeap<Reverse<(Time, u64, usize, Due)>>,
     order: u64,
     ends: Anchor,
@@ -227,10 +227,10 @@ impl Schedule {
             Timing::At(anchor) | Timing::When { from: anchor, .. } => anchor,
         });
         let roots = anchors.chain([&ends]).map(|anchor| StepAnchor::of(&anchor.base, &places)).collect();
-        let progress = Progress::new(&steps, &places);
+        let progress = ScheduleProgress::new(&steps, &places);
         let generators = steps.iter().filter_map(|step| step.generator.as_ref());
         let channels =
-            generators.flat_map(Generator::channels).map(|channel| usize::from(channel.0) + 1).max();
+            generators.flat_map(StimulusGenerator::channels).map(|channel| usize::from(channel.0) + 1).max();
         Schedule {
             progress,
             steps,
@@ -416,7 +416,7 @@ impl Schedule {
     /// Whether edges that were to come by this instant are still to come.
     pub fn is_behind(&self, end: Time) -> bool {
         let late = |step: &usize| {
-            let edges = self.steps[*step].generator.as_ref().is_some_and(Generator::is_of_edges);
+            let edges = self.steps[*step].generator.as_ref().is_some_and(StimulusGenerator::is_of_edges);
             edges && !self.running[*step].stopped && self.planned(*step).is_some_and(|at| at <= end)
         };
         (0..self.steps.len()).any(|step| late(&step))

@@ -4,7 +4,10 @@ use crate::blocks;
 use controller::{Memory, Rtc};
 use expert::{ExpertConfig, ExpertFunctions};
 use profile::Profile;
-use program::{Coverage, Fault, Host, Machine, MachineError, Pins, Program, Service, SetError, Shown, Stop};
+use program::{
+    Coverage, Host, Machine, MachineError, Pins, Program, ProgramFault, Service, SetError, ShownVariable,
+    StopReason,
+};
 use signal::{Address, Cause, Span, Time};
 use std::sync::Arc;
 
@@ -169,7 +172,7 @@ impl StandaloneRun {
     }
 
     /// The variable at a path, of any type.
-    pub fn show(&mut self, path: &str) -> Option<Shown> {
+    pub fn show(&mut self, path: &str) -> Option<ShownVariable> {
         self.machine.show(path, &mut Plain(&mut self.memory, &mut self.functions))
     }
 
@@ -216,7 +219,7 @@ impl StandaloneRun {
     }
 
     /// Lets a task run until its cycle ends (TRUE), or `until` and then to the end of the operation that is under way.
-    fn slice(&mut self, task: usize, until: Time, end: Time) -> Result<bool, Fault> {
+    fn slice(&mut self, task: usize, until: Time, end: Time) -> Result<bool, ProgramFault> {
         let Some(turn) = self.turns.get_mut(task) else { return Ok(false) };
         if turn.began.is_none() {
             turn.began = Some(self.now);
@@ -232,9 +235,9 @@ impl StandaloneRun {
             );
             self.now += slice.used;
             match slice.stop {
-                Stop::Done => break,
-                Stop::Fault(fault) => return Err(fault),
-                Stop::Service { service, argument } => {
+                StopReason::Done => break,
+                StopReason::Fault(fault) => return Err(fault),
+                StopReason::Service { service, argument } => {
                     let slept = self.serve(task, service, argument);
                     if let (Some(turn), true) = (self.turns.get_mut(task), slept > Span::ZERO) {
                         turn.sleeps = self.now.saturating_add(slept);
@@ -242,11 +245,13 @@ impl StandaloneRun {
                     }
                     budget = (until - self.now).max(Span::ZERO);
                 }
-                Stop::Touched | Stop::Break => budget = (until - self.now).max(Span::ZERO),
-                Stop::Budget { .. } if self.now >= until => return Ok(false),
+                StopReason::Touched | StopReason::Break => budget = (until - self.now).max(Span::ZERO),
+                StopReason::Budget { .. } if self.now >= until => return Ok(false),
                 // The operation that is under way at `until` comes to its end, if it does so before the run does.
-                Stop::Budget { next } if until < end && self.now.saturating_add(next) <= end => budget = next,
-                Stop::Budget { .. } => {
+                StopReason::Budget { next } if until < end && self.now.saturating_add(next) <= end => {
+                    budget = next
+                }
+                StopReason::Budget { .. } => {
                     self.now = end;
                     return Ok(false);
                 }
@@ -281,14 +286,14 @@ impl StandaloneRun {
                 );
                 self.now += slice.used;
                 match slice.stop {
-                    Stop::Done => break,
-                    Stop::Service { service, argument } => {
+                    StopReason::Done => break,
+                    StopReason::Service { service, argument } => {
                         let slept = self.serve(task, service, argument);
                         self.now += slept;
                     }
-                    Stop::Touched | Stop::Break => {}
-                    Stop::Fault(fault) => return Err(self.failed(fault)),
-                    Stop::Budget { .. } => {
+                    StopReason::Touched | StopReason::Break => {}
+                    StopReason::Fault(fault) => return Err(self.failed(fault)),
+                    StopReason::Budget { .. } => {
                         let name = self.turns.get(task).map_or("?", |turn| turn.task.name.as_str());
                         return Err(StandaloneEnd::Endless { task: name.to_owned(), at: began - Time::ZERO });
                     }
@@ -329,7 +334,7 @@ impl StandaloneRun {
         slept
     }
 
-    fn failed(&self, fault: Fault) -> StandaloneEnd {
+    fn failed(&self, fault: ProgramFault) -> StandaloneEnd {
         let file = self.program.files().get(usize::from(fault.file)).map_or("?", String::as_str);
         StandaloneEnd::Fault {
             at: self.now - Time::ZERO,

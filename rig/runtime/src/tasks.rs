@@ -6,14 +6,14 @@ use controller::{
     BusCycle, Config, ConfigError, ExternalEventSource, TaskConfig, TaskKind, TaskWatchdog, Warning,
 };
 use document::{Diagnostic, SourceFile};
-use plans::plan::{Settings, TaskSettings, TaskType};
+use plans::plan::{PlanSettings, TaskSettings, TaskType};
 use profile::Profile;
-use program::{Elementary, Program, Storage, TaskInfo};
+use program::{ConfiguredTask, Elementary, Program, Storage};
 use signal::{Address, Size, Span};
 
 /// Where a task of the configuration was written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum From {
+enum TaskOrigin {
     /// Nowhere: MAST, or in the plan.
     Plan,
     /// In the sources: place in [`Program::tasks`].
@@ -27,7 +27,7 @@ pub struct Tasks {
     pub configured: Vec<TaskConfig>,
     /// Their names, each with the PROGRAMs that it runs; an empty list means every PROGRAM that no list names.
     pub programs: Vec<(String, Vec<String>)>,
-    from: Vec<From>,
+    from: Vec<TaskOrigin>,
 }
 
 impl Tasks {
@@ -39,14 +39,17 @@ impl Tasks {
     /// A finding in the sources or the plan for a task that these controllers do not have.
     pub fn new(
         program: Option<&Program>,
-        settings: &Settings,
+        settings: &PlanSettings,
         profile: Profile,
         plan: &SourceFile,
     ) -> Result<Tasks, Vec<Diagnostic>> {
-        let mut tasks =
-            Tasks { configured: vec![TaskConfig::mast()], programs: Vec::new(), from: vec![From::Plan] };
+        let mut tasks = Tasks {
+            configured: vec![TaskConfig::mast()],
+            programs: Vec::new(),
+            from: vec![TaskOrigin::Plan],
+        };
         tasks.programs.push((tasks.configured[0].name.clone(), Vec::new()));
-        let known: &[TaskInfo] = program.map_or(&[], Program::tasks);
+        let known: &[ConfiguredTask] = program.map_or(&[], Program::tasks);
         for (place, task) in known.iter().enumerate() {
             let own = find(settings, &task.name);
             let programs = program.map_or(&[][..], Program::programs);
@@ -73,7 +76,7 @@ impl Tasks {
                 let message = format!("the task `{}` has a priority that no controller has", task.name);
                 return Err(vec![refused(program, task, &message).help(format!("0 to {lowest}"))]);
             };
-            let at = tasks.place(&task.name, From::Sources(place));
+            let at = tasks.place(&task.name, TaskOrigin::Sources(place));
             if let Some(configured) = tasks.configured.get_mut(at) {
                 configured.kind = kind;
                 configured.priority = priority;
@@ -83,7 +86,7 @@ impl Tasks {
             }
         }
         for said in &settings.tasks {
-            let at = tasks.place(&said.name, From::Plan);
+            let at = tasks.place(&said.name, TaskOrigin::Plan);
             if let Some(configured) = tasks.configured.get_mut(at) {
                 overlay(configured, said);
                 if let Some(kind) = said.kind {
@@ -105,7 +108,7 @@ impl Tasks {
     }
 
     /// The place of a task by its name; a new one is made where there is none.
-    fn place(&mut self, name: &str, from: From) -> usize {
+    fn place(&mut self, name: &str, from: TaskOrigin) -> usize {
         let known = self.configured.iter().position(|task| task.name.eq_ignore_ascii_case(name));
         let place = known.unwrap_or_else(|| {
             self.configured.push(TaskConfig { name: name.to_owned(), ..TaskConfig::mast() });
@@ -113,7 +116,7 @@ impl Tasks {
             self.from.push(from);
             self.configured.len() - 1
         });
-        if let (From::Sources(_), Some(known)) = (from, self.from.get_mut(place)) {
+        if let (TaskOrigin::Sources(_), Some(known)) = (from, self.from.get_mut(place)) {
             *known = from;
         }
         place
@@ -133,8 +136,8 @@ impl Tasks {
             _ => &[],
         };
         let written = places.iter().find_map(|place| match self.from.get(*place)? {
-            From::Sources(task) => program?.tasks().get(*task),
-            From::Plan => None,
+            TaskOrigin::Sources(task) => program?.tasks().get(*task),
+            TaskOrigin::Plan => None,
         });
         let message = self.message(error);
         match written {
@@ -185,7 +188,7 @@ impl Tasks {
     pub fn configure(
         &self,
         config: &mut Config,
-        settings: &Settings,
+        settings: &PlanSettings,
         program: Option<&Program>,
         plan: &SourceFile,
     ) -> Result<(), Vec<Diagnostic>> {
@@ -213,18 +216,18 @@ impl Tasks {
 /// # Errors
 /// What it refuses.
 pub fn check(program: &Program, profile: Profile) -> Result<(), Vec<Diagnostic>> {
-    let (settings, plan) = (Settings::default(), SourceFile::new("", ""));
+    let (settings, plan) = (PlanSettings::default(), SourceFile::new("", ""));
     let tasks = Tasks::new(Some(program), &settings, profile, &plan)?;
     tasks.configure(&mut Config::new(profile), &settings, Some(program), &plan)
 }
 
 /// What a plan says of a task.
-fn find<'a>(settings: &'a Settings, name: &str) -> Option<&'a TaskSettings> {
+fn find<'a>(settings: &'a PlanSettings, name: &str) -> Option<&'a TaskSettings> {
     settings.tasks.iter().find(|task| task.name.eq_ignore_ascii_case(name))
 }
 
 /// Whether a list of the plan names a PROGRAM.
-fn named(settings: &Settings, program: &str) -> bool {
+fn named(settings: &PlanSettings, program: &str) -> bool {
     let mut lists = settings.tasks.iter().filter_map(|task| task.programs.as_ref());
     lists.any(|list| list.iter().any(|name| name.eq_ignore_ascii_case(program)))
 }
@@ -304,7 +307,7 @@ pub fn warnings(config: &Config, plan: &SourceFile) -> Vec<Diagnostic> {
 }
 
 /// A task of the sources that these controllers do not take.
-fn refused(program: Option<&Program>, task: &TaskInfo, message: &str) -> Diagnostic {
+fn refused(program: Option<&Program>, task: &ConfiguredTask, message: &str) -> Diagnostic {
     let file = program.and_then(|program| program.files().get(usize::from(task.file)));
     let file = file.map_or("", String::as_str);
     Diagnostic::error(codes::TASK_REFUSED, message).at(file, task.span.clone(), "")
@@ -328,7 +331,7 @@ mod tests {
 
     /// Name, interval in ms, priority and programs of each task.
     fn tasks(program: &Program, said: Vec<TaskSettings>) -> Vec<(String, i64, u8, String)> {
-        let settings = Settings { tasks: said, ..Settings::default() };
+        let settings = PlanSettings { tasks: said, ..PlanSettings::default() };
         let plan = SourceFile::new("plan.toml", "");
         let tasks = Tasks::new(Some(program), &settings, Profile::default(), &plan).unwrap();
         let rows = tasks.configured.iter().zip(&tasks.programs);
@@ -348,7 +351,7 @@ mod tests {
         let none = compile(&[SourceFile::new("x.st", PROGRAMS)], Profile::default()).unwrap();
         assert_eq!(tasks(&none, Vec::new()), [row("MAST", 20, 15, "")]);
         assert_eq!(
-            Tasks::new(None, &Settings::default(), Profile::default(), &SourceFile::new("", ""))
+            Tasks::new(None, &PlanSettings::default(), Profile::default(), &SourceFile::new("", ""))
                 .unwrap()
                 .configured,
             [TaskConfig::mast()]
@@ -402,7 +405,7 @@ mod tests {
         ] {
             let program = program(text);
             let mast = TaskSettings { priority: said, ..task("MAST") };
-            let settings = Settings { tasks: vec![mast], ..Settings::default() };
+            let settings = PlanSettings { tasks: vec![mast], ..PlanSettings::default() };
             let mut config = Config::new(Profile::default());
             let plan = SourceFile::new("plan.toml", "");
             let tasks = Tasks::new(Some(&program), &settings, Profile::default(), &plan);
@@ -415,7 +418,7 @@ mod tests {
             assert_eq!(source.get(label.span.start..label.span.start + 3), place, "{text}");
         }
         let twice = vec![TaskSettings { priority: Some(15), ..task("t") }];
-        let settings = Settings { tasks: twice, ..Settings::default() };
+        let settings = PlanSettings { tasks: twice, ..PlanSettings::default() };
         let plan = SourceFile::new("plan.toml", "");
         let tasks = Tasks::new(None, &settings, Profile::default(), &plan).unwrap();
         let found =

@@ -8,13 +8,13 @@ use crate::check::CaseOnBench;
 use crate::codes;
 use crate::configure::{configuration, initial_state};
 use crate::coverage::Collector;
-use crate::external::External;
+use crate::external::ExternalController;
 use crate::functions;
 use crate::hook::Hook;
 use crate::inputs;
-use crate::model::Model;
+use crate::model::ModelledController;
 use crate::ports;
-use crate::prepare::{Prepared, TestBench, prepare};
+use crate::prepare::{PreparedCase, TestBench, prepare};
 use crate::store::MemoryStore;
 use crate::subject::Subject;
 use crate::tasks::Tasks;
@@ -48,7 +48,7 @@ impl TestSetup {
         files: &CaseFiles,
         trace: Trace,
         exact: bool,
-    ) -> Result<Prepared, Vec<Diagnostic>> {
+    ) -> Result<PreparedCase, Vec<Diagnostic>> {
         let mut bench = TestBench {
             subject: &mut *self.subject,
             board: &*self.board,
@@ -68,7 +68,7 @@ impl TestSetup {
         &'a self,
         case: &'a Case,
         files: &'a CaseFiles,
-        prepared: &'a Prepared,
+        prepared: &'a PreparedCase,
     ) -> CaseOnBench<'a> {
         CaseOnBench { case, files, subject: &*self.subject, board: &*self.board, prepared }
     }
@@ -114,8 +114,9 @@ pub(crate) fn set_up(
     };
     let refused = |error: &dyn std::fmt::Display| refused(files, error);
     let board = build(&files.board, files.seed).map_err(|error| refused(&error))?;
-    let mut model = Model::new(config, program.clone(), Box::new(MemoryStore::default()), collector)
-        .map_err(|error| refused(&error))?;
+    let mut model =
+        ModelledController::new(config, program.clone(), Box::new(MemoryStore::default()), collector)
+            .map_err(|error| refused(&error))?;
     model.add_programs(known);
     if case.settings.firmware_invalid {
         model.damage_firmware();
@@ -155,7 +156,7 @@ fn set_up_external(
         })?
     };
     let (initial, run) = (initial_state(case.settings.initial), case.settings.switch_at_run != Some(false));
-    let subject = External::new(&files.board, settings.clone(), &*board, initial, run, hook);
+    let subject = ExternalController::new(&files.board, settings.clone(), &*board, initial, run, hook);
     Ok(TestSetup {
         subject: Box::new(subject),
         board,

@@ -1,7 +1,7 @@
 //! Who is behind whom: terminals of the subject, channels of the board, signals of the trace.
 
 use crate::external;
-use crate::frames::Watch;
+use crate::frames::FrameWatch;
 use crate::subject::Subject;
 use controller::{ProbeId, Terminal};
 use drivers::{BoardFile, BusId, ChannelId};
@@ -42,7 +42,7 @@ pub struct Wiring {
     /// The ports of a subject that the rig plays, by their numbers.
     pub ports: Vec<WiredPort>,
     /// Signals that follow the frames of each bus.
-    pub buses: Vec<Vec<Watch>>,
+    pub buses: Vec<Vec<FrameWatch>>,
     /// Last writer of each channel, as the subject reported it.
     pub writers: Vec<Cause>,
     /// The subject's state.
@@ -135,7 +135,7 @@ impl Wiring {
     }
 
     /// A signal follows the frames of a bus.
-    pub fn follow(&mut self, bus: BusId, watch: Watch) {
+    pub fn follow(&mut self, bus: BusId, watch: FrameWatch) {
         let place = usize::from(bus.0);
         if self.buses.len() <= place {
             self.buses.resize(place + 1, Vec::new());

@@ -5,7 +5,7 @@ use document::SourceFile;
 use drivers::{Board, BoardError, BoardEvent, Channel, ChannelId, Health, Origin, TimestampSource};
 use scanrig_runtime::clock::Clock;
 use scanrig_runtime::executor::ExecutorReport;
-use scanrig_runtime::external::External;
+use scanrig_runtime::external::ExternalController;
 use scanrig_runtime::hook::Hook;
 use scanrig_runtime::rig_fault::RigFault;
 use scanrig_runtime::suite;
@@ -133,7 +133,7 @@ fn run_plan(plan: &str, by: Span) -> (ExecutorReport, Parted) {
     let file = drivers::read(&SourceFile::new("board.toml", BOARD), &suite::terminals).unwrap();
     let settings = file.subject.external.clone().unwrap();
     let running = controller::State::Running;
-    let mut subject = External::new(&file, settings, &*parts.board, running, true, Hook::default());
+    let mut subject = ExternalController::new(&file, settings, &*parts.board, running, true, Hook::default());
     let ran = parts.run(&mut Ticks::default(), &mut subject);
     (ran, parts)
 }

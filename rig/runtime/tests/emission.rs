@@ -7,7 +7,7 @@ use drivers::{
 };
 use scanrig_runtime::clock::Clock;
 use scanrig_runtime::executor::ExecutorReport;
-use scanrig_runtime::model::Model;
+use scanrig_runtime::model::ModelledController;
 use scanrig_runtime::rig_fault::RigFault;
 use signal::{Span, Time, Value, When};
 use std::sync::{Arc, Mutex};
@@ -214,7 +214,11 @@ expect = [{{ state = {{ stays = \"RUNNING\", from = \"start\", until = \"end\" }
 }
 
 /// The parts of a case on such a board, or the codes of what does not fit it.
-fn parts(board: &str, plan: &str, loses: usize) -> Result<(Shared, Model, Parted), Vec<&'static str>> {
+fn parts(
+    board: &str,
+    plan: &str,
+    loses: usize,
+) -> Result<(Shared, ModelledController, Parted), Vec<&'static str>> {
     let world = Shared::default();
     let table = "time [ms],stream\n0,0\n1,1\n3,0\n4,0\n";
     let files = [("plan.toml", plan), ("board.toml", board), ("table.csv", table)];

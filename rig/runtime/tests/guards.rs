@@ -1,7 +1,7 @@
 //! What suites and boards claim of every case, and alarms that end one.
 
 use crate::texts::Texts;
-use record::{ClaimRecord, Origin, Verdict};
+use record::{ClaimOrigin, ClaimRecord, Verdict};
 use scanrig_runtime::{CaseResult, ClockKind, RunOptions, rejudge};
 use signal::{Span, Value};
 use std::sync::atomic::AtomicBool;
@@ -61,10 +61,13 @@ fn the_record_says_which_file_claims_what() {
     let result = run(&files, ClockKind::Virtual);
     crate::texts::expect(&result, Verdict::Fail);
     let both = claim(&result, "never both");
-    assert_eq!((both.verdict, both.origin, both.line, both.guard), (Verdict::Fail, Origin::Suite, 6, true));
+    assert_eq!(
+        (both.verdict, both.origin, both.line, both.guard),
+        (Verdict::Fail, ClaimOrigin::Suite, 6, true)
+    );
     assert_eq!(both.place_file.as_deref(), Some("suite.toml"));
     let follows = claim(&result, "the contact follows");
-    assert_eq!((follows.verdict, follows.origin, follows.line), (Verdict::Pass, Origin::Board, 10));
+    assert_eq!((follows.verdict, follows.origin, follows.line), (Verdict::Pass, ClaimOrigin::Board, 10));
     assert!(!result.record.claims[0].guard && result.record.claims[0].place_file.is_none());
     // The trace holds what they claim: the files are not needed to judge it again.
     let source = document::SourceFile::new("elsewhere.toml", plan.clone());

@@ -40,7 +40,7 @@ expect = [{{ state = {{ stays = \"RUNNING\", from = \"start\", until = \"end\" }
 /// A case with its world.
 struct Bench {
     world: Shared,
-    model: scanrig_runtime::model::Model,
+    model: scanrig_runtime::model::ModelledController,
     parts: Parted,
 }
 

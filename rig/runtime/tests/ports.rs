@@ -14,7 +14,7 @@ use drivers::{
 use profile::RequestCosts;
 use scanrig_runtime::clock::VirtualClock;
 use scanrig_runtime::executor::ExecutorReport;
-use scanrig_runtime::model::Model;
+use scanrig_runtime::model::ModelledController;
 use scanrig_runtime::rig_fault::RigFault;
 use signal::{CanFrame, SerialFlaw, SerialMessage, SerialOutput, SerialSettings, Span, Time, Value};
 use std::collections::VecDeque;
@@ -268,7 +268,7 @@ impl Buses for WithPartners {
 
 /// A case on this board, with what is on its lines and what its endpoints received.
 struct Bench {
-    model: Model,
+    model: ModelledController,
     parts: Parted,
     world: Arc<Mutex<World>>,
     reported: Seen,

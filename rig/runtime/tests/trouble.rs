@@ -5,7 +5,7 @@ use controller::{Command, CommandError, Effects, State, Terminal};
 use record::Verdict;
 use scanrig_runtime::capability::Capability;
 use scanrig_runtime::clock::VirtualClock;
-use scanrig_runtime::model::Model;
+use scanrig_runtime::model::ModelledController;
 use scanrig_runtime::subject::Subject;
 use scanrig_runtime::{CaseResult, ClockKind, RunOptions};
 use signal::{Address, Span, Time, Value, When};
@@ -135,7 +135,7 @@ fn an_error_of_the_board_names_the_channel() {
 
 /// A model whose driver has a bug: it panics after some calls.
 struct Panics {
-    model: Model,
+    model: ModelledController,
     calls: u32,
 }
 

@@ -54,14 +54,14 @@ pub enum Cause {
     /// The board: a wire, a plant, a device.
     Board,
     /// Nobody: the value is [`Value::Unknown`] from then on, for this reason.
-    Gap(Gap),
+    Gap(SignalGap),
     /// A protocol endpoint at a port of the controller, by the port's number.
     Port(u8),
 }
 
 /// Why the value of a signal is not known, though its device is there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Gap {
+pub enum SignalGap {
     /// A live zero is missing: there is nothing at the end of the wire.
     OpenWire,
     /// More than a sensor gives that works: it says that it fails, or its wire is shorted.
@@ -72,26 +72,27 @@ pub enum Gap {
     Above,
 }
 
-impl Gap {
+impl SignalGap {
     /// Each of them.
-    pub const ALL: [Gap; 4] = [Gap::OpenWire, Gap::Failed, Gap::Below, Gap::Above];
+    pub const ALL: [SignalGap; 4] =
+        [SignalGap::OpenWire, SignalGap::Failed, SignalGap::Below, SignalGap::Above];
 }
 
-impl fmt::Display for Gap {
+impl fmt::Display for SignalGap {
     /// As a reason: `its wire is open`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Gap::OpenWire => "its wire is open",
-            Gap::Failed => "its sensor fails or its wire is shorted",
-            Gap::Below => "at the lower end of its range there may be less",
-            Gap::Above => "at the upper end of its range there may be more",
+            SignalGap::OpenWire => "its wire is open",
+            SignalGap::Failed => "its sensor fails or its wire is shorted",
+            SignalGap::Below => "at the lower end of its range there may be less",
+            SignalGap::Above => "at the upper end of its range there may be more",
         })
     }
 }
 
 /// What a signal's values are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Kind {
+pub enum ValueKind {
     /// [`Value::Bool`], [`Value::HighZ`] or [`Value::Unknown`].
     Bool,
     /// [`Value::Int`].
@@ -153,7 +154,7 @@ pub struct SignalInfo {
     /// The name that plans use.
     pub name: String,
     /// What its values are.
-    pub kind: Kind,
+    pub kind: ValueKind,
     /// Unit of real values, as in `V`; empty for none.
     pub unit: String,
     /// Names of a state's numbers.
@@ -170,7 +171,7 @@ pub struct SignalInfo {
 
 impl SignalInfo {
     /// A signal of exactly stamped changes in virtual time, all kept.
-    pub fn exact(name: impl Into<String>, kind: Kind) -> Self {
+    pub fn exact(name: impl Into<String>, kind: ValueKind) -> Self {
         SignalInfo {
             name: name.into(),
             kind,
@@ -185,7 +186,7 @@ impl SignalInfo {
 
     /// A value in the words of the user: a state's label, or the number with its unit.
     pub fn show(&self, value: Value) -> String {
-        if let (Kind::State, Some(n)) = (self.kind, value.as_int())
+        if let (ValueKind::State, Some(n)) = (self.kind, value.as_int())
             && let Some((_, label)) = self.labels.iter().find(|(number, _)| i128::from(*number) == n)
         {
             return label.clone();

@@ -17,7 +17,9 @@ mod value;
 
 pub use address::{Address, AddressError, AddressLimits, Area, Size};
 pub use can::{BusError, BusState, CanFrame, MAX_CAN_DATA};
-pub use event::{Cause, ClockDomain, Event, Gap, Kind, Policy, Sampling, SignalId, SignalInfo, When};
+pub use event::{
+    Cause, ClockDomain, Event, Policy, Sampling, SignalGap, SignalId, SignalInfo, ValueKind, When,
+};
 pub use image::Image;
 pub use quantity::{Decimal, Quantity, QuantityError, QuantityFault, QuantityRange, Unit, is_range};
 pub use random::Random;

@@ -5,13 +5,13 @@
 mod floor;
 mod setup;
 
-use control::{Operation, PlanEvent, Value};
+use control::{PlanEvent, RequestOperation, Value};
 use floor::floor;
 use ratatui::crossterm::event::KeyCode;
 use setup::{DashboardSetup, MS, SMALL, scene};
 
 fn force(setup: &mut DashboardSetup, name: &str, on: bool) {
-    setup.ask(Operation::Force { name: name.into(), value: control::WireValue(Value::Bool(on)) });
+    setup.ask(RequestOperation::Force { name: name.into(), value: control::WireValue(Value::Bool(on)) });
 }
 
 #[test]
@@ -64,7 +64,7 @@ fn dialogs() {
         let mut setup = DashboardSetup::conveyor(features);
         setup.advance(1_000 * MS);
         force(&mut setup, "Q6", true);
-        setup.ask(Operation::Lock { note: "accepted".into() });
+        setup.ask(RequestOperation::Lock { note: "accepted".into() });
         setup.advance(100 * MS);
         setup.keys("?");
         setup.golden("help");
@@ -95,7 +95,7 @@ fn frames_on_buses() {
         let mut setup = floor(features);
         setup.keys("7oplans/frames.toml\n");
         setup.keys("5");
-        setup.ask(Operation::Plan { name: "plans/frames".into() });
+        setup.ask(RequestOperation::Plan { name: "plans/frames".into() });
         setup.until(is_over);
         setup.advance(100 * MS);
         setup.golden("frames");
@@ -123,7 +123,7 @@ fn a_plan_is_run_and_followed() {
         setup.golden("plan-sure");
         // Both cases, as a script would ask for them.
         setup.keys("n");
-        setup.ask(Operation::Plan { name: "plans/lamp".into() });
+        setup.ask(RequestOperation::Plan { name: "plans/lamp".into() });
         // In the second case, while its last step is still to come.
         setup.until(|setup| {
             let second = |event: &PlanEvent| matches!(event, PlanEvent::Case { place: (2, _), .. });

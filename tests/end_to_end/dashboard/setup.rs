@@ -1,8 +1,8 @@
 //! A rig in stepped time, and a dashboard before it.
 
 use crate::project_folder::{TestProject, root};
-use control::client::{Client, Receiver, Sender};
-use control::{Fault, FrameSeen, Message, Operation, Reply};
+use control::client::{ControlClient, ControlReceiver, Sender};
+use control::{FrameSeen, Reply, RequestFault, RequestOperation, ServerMessage};
 use dash::frame_decoder::{DecodedFrame, FrameDecoder};
 use dash::glyphs::TerminalFeatures;
 use dash::recording::{TrendFiles, TrendRecording};
@@ -40,16 +40,16 @@ impl TrendFiles for MemoryFiles {
         &["vcd"]
     }
 
-    fn save(&self, path: &str, recording: &TrendRecording) -> Result<(), Fault> {
+    fn save(&self, path: &str, recording: &TrendRecording) -> Result<(), RequestFault> {
         self.0.borrow_mut().insert(path.to_owned(), recording.clone());
         Ok(())
     }
 
-    fn load(&self, path: &str) -> Result<TrendRecording, Fault> {
+    fn load(&self, path: &str) -> Result<TrendRecording, RequestFault> {
         Ok(self.saved(path))
     }
 
-    fn decoder(&self, _: &str) -> Result<Box<dyn FrameDecoder>, Fault> {
+    fn decoder(&self, _: &str) -> Result<Box<dyn FrameDecoder>, RequestFault> {
         Ok(Box::new(DriveDecoder))
     }
 }
@@ -70,7 +70,7 @@ impl FrameDecoder for DriveDecoder {
 pub struct DashboardSetup {
     rig: Child,
     sender: Sender,
-    receiver: Receiver,
+    receiver: ControlReceiver,
     pub shell: Shell,
     pub files: MemoryFiles,
     features: TerminalFeatures,
@@ -105,7 +105,7 @@ impl DashboardSetup {
         let mut rig = command.spawn().unwrap();
         let until = Instant::now() + PATIENCE;
         let client = loop {
-            match Client::connect(&socket, "rig dash") {
+            match ControlClient::connect(&socket, "rig dash") {
                 Ok(client) => break client,
                 Err(error) => assert!(Instant::now() < until, "{error}"),
             }
@@ -140,8 +140,8 @@ impl DashboardSetup {
     /// Takes the next message.
     pub fn hear(&mut self) {
         match self.receiver.next(Some(PATIENCE)).unwrap().expect("a message in time") {
-            Message::Event(event) => self.shell.receive(RigMessage::Event(event)),
-            Message::Reply(reply) => {
+            ServerMessage::Event(event) => self.shell.receive(RigMessage::Event(event)),
+            ServerMessage::Reply(reply) => {
                 let Some(asked) = reply.id.and_then(|id| self.open.remove(&id)) else { return };
                 match asked {
                     Some(id) => self.shell.receive(RigMessage::Reply(Reply { id: Some(id), ..reply })),
@@ -160,7 +160,7 @@ impl DashboardSetup {
     }
 
     /// Asks the rig for something beside what the dashboard does, and waits for the answer.
-    pub fn ask(&mut self, ask: Operation) {
+    pub fn ask(&mut self, ask: RequestOperation) {
         let sent = self.sender.send(ask).unwrap();
         self.open.insert(sent, None);
         self.settle();
@@ -168,7 +168,7 @@ impl DashboardSetup {
 
     /// Lets time pass. Everything that happens until then is sent before it is answered.
     pub fn advance(&mut self, by: i64) {
-        self.ask(Operation::Advance { by });
+        self.ask(RequestOperation::Advance { by });
     }
 
     pub fn key(&mut self, code: KeyCode) {

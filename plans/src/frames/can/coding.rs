@@ -9,7 +9,7 @@ pub const MAX_BITS: u16 = 64;
 
 /// The order of the bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Order {
+pub enum ByteOrder {
     /// Little-endian (Intel): the first bit is the lowest one.
     Little,
     /// Big-endian (Motorola): the first bit is the highest one.
@@ -18,7 +18,7 @@ pub enum Order {
 
 /// What the bits are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Raw {
+pub enum RawKind {
     /// A number without a sign.
     Unsigned,
     /// A number in two's complement.
@@ -34,8 +34,8 @@ pub struct Coding {
     start: u16,
     /// How many bits, 1 to 64.
     size: u16,
-    order: Order,
-    raw: Raw,
+    order: ByteOrder,
+    raw: RawKind,
     factor: Decimal,
     offset: Decimal,
     /// Factor and offset for numbers too long to be exact.
@@ -44,16 +44,16 @@ pub struct Coding {
 
 /// What another number of the frame must be for this one to be there.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Selector {
+pub struct FrameSelector {
     /// The other number.
     pub of: Coding,
     /// The values, each from the first to the second, both included.
     pub ranges: Vec<(u64, u64)>,
     /// What selects the selecting number itself.
-    pub under: Option<Box<Selector>>,
+    pub under: Option<Box<FrameSelector>>,
 }
 
-impl Selector {
+impl FrameSelector {
     /// Whether data have it.
     #[inline]
     pub fn selects(&self, data: &[u8]) -> bool {
@@ -70,8 +70,8 @@ impl Coding {
     /// A number; `None` where its bits lie outside of any frame, or a float has neither 32 nor 64.
     pub fn new(
         (start, size): (u64, u64),
-        order: Order,
-        raw: Raw,
+        order: ByteOrder,
+        raw: RawKind,
         factor: f64,
         offset: f64,
     ) -> Option<Coding> {
@@ -80,7 +80,7 @@ impl Coding {
         }
         let (start, size) = (u16::try_from(start).ok()?, u16::try_from(size).ok()?);
         let sound = match raw {
-            Raw::Float => size == 32 || size == 64,
+            RawKind::Float => size == 32 || size == 64,
             _ => (1..=MAX_BITS).contains(&size),
         };
         let coding = Coding {
@@ -99,24 +99,24 @@ impl Coding {
     /// How many data bytes a frame has at least that carries it.
     pub fn bytes(&self) -> usize {
         let last = match self.order {
-            Order::Little => self.start + self.size - 1,
+            ByteOrder::Little => self.start + self.size - 1,
             // Bits go on downwards in their byte, then from the highest of the next one.
-            Order::Big => self.place(self.size - 1).unwrap_or(u16::MAX),
+            ByteOrder::Big => self.place(self.size - 1).unwrap_or(u16::MAX),
         };
         usize::from(last.max(self.start) / 8) + 1
     }
 
     /// Whether the bits mean themselves: whole numbers without factor and offset.
     pub fn is_plain(&self) -> bool {
-        self.raw != Raw::Float && self.factor == Decimal::from(1) && self.offset == Decimal::ZERO
+        self.raw != RawKind::Float && self.factor == Decimal::from(1) && self.offset == Decimal::ZERO
     }
 
     /// The place of bit `n` from the start of the number.
     #[inline]
     fn place(&self, n: u16) -> Option<u16> {
         match self.order {
-            Order::Little => self.start.checked_add(n),
-            Order::Big => {
+            ByteOrder::Little => self.start.checked_add(n),
+            ByteOrder::Big => {
                 let down = (self.start / 8 * 8 + 7 - self.start % 8).checked_add(n)?;
                 Some(down / 8 * 8 + 7 - down % 8)
             }
@@ -131,8 +131,8 @@ impl Coding {
             let place = self.place(n)?;
             let bit = u64::from(data.get(usize::from(place / 8))? >> (place % 8) & 1);
             match self.order {
-                Order::Little => bits |= bit << n,
-                Order::Big => bits = bits << 1 | bit,
+                ByteOrder::Little => bits |= bit << n,
+                ByteOrder::Big => bits = bits << 1 | bit,
             }
         }
         Some(bits)
@@ -142,8 +142,8 @@ impl Coding {
     pub fn put(&self, bits: u64, data: &mut [u8]) {
         for n in 0..self.size {
             let shift = match self.order {
-                Order::Little => n,
-                Order::Big => self.size - 1 - n,
+                ByteOrder::Little => n,
+                ByteOrder::Big => self.size - 1 - n,
             };
             let place = self.place(n);
             if let Some((byte, place)) = place.and_then(|at| Some((data.get_mut(usize::from(at / 8))?, at))) {
@@ -154,7 +154,7 @@ impl Coding {
 
     /// Its bits with their sign.
     fn whole(&self, bits: u64) -> i128 {
-        let negative = self.raw == Raw::Signed && bits >> (self.size - 1) & 1 == 1;
+        let negative = self.raw == RawKind::Signed && bits >> (self.size - 1) & 1 == 1;
         i128::from(bits) - if negative { 1 << self.size } else { 0 }
     }
 
@@ -168,8 +168,8 @@ impl Coding {
             if value.is_finite() { Value::Real(value) } else { Value::Unknown }
         };
         match self.raw {
-            Raw::Float if self.size == 32 => rough(f64::from(f32::from_bits(bits as u32))),
-            Raw::Float => rough(f64::from_bits(bits)),
+            RawKind::Float if self.size == 32 => rough(f64::from(f32::from_bits(bits as u32))),
+            RawKind::Float => rough(f64::from_bits(bits)),
             _ => {
                 let whole = self.whole(bits);
                 let exact = Decimal::new(whole, 0).times(self.factor);
@@ -193,8 +193,8 @@ impl Coding {
         let (factor, offset) = (f64::from_bits(self.rough.0), f64::from_bits(self.rough.1));
         let raw = (number - offset) / factor;
         match self.raw {
-            Raw::Float if self.size == 32 => Some(u64::from((raw as f32).to_bits())),
-            Raw::Float => Some(raw.to_bits()),
+            RawKind::Float if self.size == 32 => Some(u64::from((raw as f32).to_bits())),
+            RawKind::Float => Some(raw.to_bits()),
             _ => {
                 let whole = libm::round(raw);
                 if !whole.is_finite() || libm::fabs(whole) > 2e19 {
@@ -208,7 +208,7 @@ impl Coding {
     /// The bits of a whole number, without factor and offset; `None` where it does not fit.
     pub fn whole_code(&self, whole: i128) -> Option<u64> {
         let (least, most) = match self.raw {
-            Raw::Signed => (-(1_i128 << (self.size - 1)), (1_i128 << (self.size - 1)) - 1),
+            RawKind::Signed => (-(1_i128 << (self.size - 1)), (1_i128 << (self.size - 1)) - 1),
             _ => (0, (1_i128 << self.size) - 1),
         };
         let mask = u64::MAX >> (MAX_BITS - self.size);
@@ -221,51 +221,52 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn coding(start: u64, size: u64, order: Order, raw: Raw, factor: f64, offset: f64) -> Coding {
+    fn coding(start: u64, size: u64, order: ByteOrder, raw: RawKind, factor: f64, offset: f64) -> Coding {
         Coding::new((start, size), order, raw, factor, offset).unwrap()
     }
 
     #[test]
     fn bits_stand_where_dbc_says() {
         let data = [0x12, 0x34, 0x56, 0x78];
-        let bits = |start, size, order| coding(start, size, order, Raw::Unsigned, 1.0, 0.0).bits(&data);
-        assert_eq!(bits(0, 8, Order::Little), Some(0x12));
-        assert_eq!(bits(0, 16, Order::Little), Some(0x3412));
-        assert_eq!(bits(4, 8, Order::Little), Some(0x41));
-        assert_eq!(bits(7, 8, Order::Big), Some(0x12));
-        assert_eq!(bits(7, 16, Order::Big), Some(0x1234));
-        assert_eq!(bits(3, 12, Order::Big), Some(0x234));
-        assert_eq!(bits(24, 16, Order::Little), None);
+        let bits = |start, size, order| coding(start, size, order, RawKind::Unsigned, 1.0, 0.0).bits(&data);
+        assert_eq!(bits(0, 8, ByteOrder::Little), Some(0x12));
+        assert_eq!(bits(0, 16, ByteOrder::Little), Some(0x3412));
+        assert_eq!(bits(4, 8, ByteOrder::Little), Some(0x41));
+        assert_eq!(bits(7, 8, ByteOrder::Big), Some(0x12));
+        assert_eq!(bits(7, 16, ByteOrder::Big), Some(0x1234));
+        assert_eq!(bits(3, 12, ByteOrder::Big), Some(0x234));
+        assert_eq!(bits(24, 16, ByteOrder::Little), None);
     }
 
     #[test]
     fn values_are_the_nearest_to_the_exact_ones() {
-        let value =
-            |raw, factor, offset, data: &[u8]| coding(0, 16, Order::Little, raw, factor, offset).value(data);
+        let value = |raw, factor, offset, data: &[u8]| {
+            coding(0, 16, ByteOrder::Little, raw, factor, offset).value(data)
+        };
         // 3 times 0.1 is 0.3, and not 0.30000000000000004.
-        assert_eq!(value(Raw::Unsigned, 0.1, 0.0, &[3, 0]), Value::Real(0.3));
-        assert_eq!(value(Raw::Signed, 0.01, -40.0, &[0xFF, 0xFF]), Value::Real(-40.01));
-        assert_eq!(value(Raw::Unsigned, 2.0, 1.0, &[0xFF, 0xFF]), Value::Real(131_071.0));
-        assert_eq!(value(Raw::Unsigned, 1.0, 0.0, &[1]), Value::Unknown);
+        assert_eq!(value(RawKind::Unsigned, 0.1, 0.0, &[3, 0]), Value::Real(0.3));
+        assert_eq!(value(RawKind::Signed, 0.01, -40.0, &[0xFF, 0xFF]), Value::Real(-40.01));
+        assert_eq!(value(RawKind::Unsigned, 2.0, 1.0, &[0xFF, 0xFF]), Value::Real(131_071.0));
+        assert_eq!(value(RawKind::Unsigned, 1.0, 0.0, &[1]), Value::Unknown);
     }
 
     #[test]
     fn floats_are_read_by_their_bits() {
-        let real = coding(0, 32, Order::Little, Raw::Float, 1.0, 0.0);
+        let real = coding(0, 32, ByteOrder::Little, RawKind::Float, 1.0, 0.0);
         assert_eq!(real.value(&1.5f32.to_le_bytes()), Value::Real(1.5));
         assert_eq!(real.value(&f32::NAN.to_le_bytes()), Value::Unknown);
         assert_eq!(real.code(1.5), Some(u64::from(1.5f32.to_bits())));
-        assert!(Coding::new((0, 16), Order::Little, Raw::Float, 1.0, 0.0).is_none());
+        assert!(Coding::new((0, 16), ByteOrder::Little, RawKind::Float, 1.0, 0.0).is_none());
     }
 
     #[test]
     fn what_does_not_fit_is_no_code() {
-        let byte = coding(0, 8, Order::Little, Raw::Signed, 0.5, 0.0);
+        let byte = coding(0, 8, ByteOrder::Little, RawKind::Signed, 0.5, 0.0);
         assert_eq!((byte.code(63.5), byte.code(64.0), byte.code(-64.0)), (Some(127), None, Some(0x80)));
         assert_eq!(byte.code(f64::INFINITY), None);
-        assert!(Coding::new((505, 8), Order::Little, Raw::Signed, 1.0, 0.0).is_none());
-        assert!(Coding::new((0, 65), Order::Little, Raw::Signed, 1.0, 0.0).is_none());
-        assert!(Coding::new((0, 8), Order::Little, Raw::Signed, f64::NAN, 0.0).is_none());
+        assert!(Coding::new((505, 8), ByteOrder::Little, RawKind::Signed, 1.0, 0.0).is_none());
+        assert!(Coding::new((0, 65), ByteOrder::Little, RawKind::Signed, 1.0, 0.0).is_none());
+        assert!(Coding::new((0, 8), ByteOrder::Little, RawKind::Signed, f64::NAN, 0.0).is_none());
     }
 
     proptest! {
@@ -278,8 +279,8 @@ mod tests {
             bits: u64,
             fill: u8,
         ) {
-            let order = if big { Order::Big } else { Order::Little };
-            let raw = if signed { Raw::Signed } else { Raw::Unsigned };
+            let order = if big { ByteOrder::Big } else { ByteOrder::Little };
+            let raw = if signed { RawKind::Signed } else { RawKind::Unsigned };
             if let Some(coding) = Coding::new((start, size), order, raw, 1.0, 0.0) {
                 let bits = bits & (u64::MAX >> (64 - size));
                 let mut data = [fill; 64];
@@ -302,8 +303,8 @@ mod tests {
             offset: f64,
             data in proptest::collection::vec(any::<u8>(), 0..70),
         ) {
-            let order = if big { Order::Big } else { Order::Little };
-            for raw in [Raw::Unsigned, Raw::Signed, Raw::Float] {
+            let order = if big { ByteOrder::Big } else { ByteOrder::Little };
+            for raw in [RawKind::Unsigned, RawKind::Signed, RawKind::Float] {
                 for (start, size) in [(start, size), (start % 512, size % 65)] {
                     if let Some(coding) = Coding::new((start, size), order, raw, factor, offset) {
                         coding.value(&data);

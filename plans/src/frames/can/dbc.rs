@@ -6,11 +6,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::sync::Arc;
 
-use can_dbc::{ByteOrder, Dbc, DbcError, MessageId, MultiplexIndicator, SignalExtendedValueType, ValueType};
+use can_dbc::{Dbc, DbcError, MessageId, MultiplexIndicator, SignalExtendedValueType, ValueType};
 use document::{Data, Diagnostic, Node, SourceFile, Table, line_col};
 use signal::Unit;
 
-use super::coding::{Coding, Order, Raw, Selector};
+use super::coding::{ByteOrder, Coding, FrameSelector, RawKind};
 use super::pattern::MAX_ID;
 use crate::codes;
 use crate::frames::MAX_DATA;
@@ -26,7 +26,7 @@ const DEEPEST: usize = 8;
 
 /// The messages of a DBC file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Database {
+pub struct DbcDatabase {
     /// By their names; of two with one name the first.
     pub messages: BTreeMap<String, Arc<MessageSpec>>,
 }
@@ -61,7 +61,7 @@ pub struct FieldSpec {
     /// Its bits and what they mean.
     pub coding: Coding,
     /// What selects it, where it is multiplexed.
-    pub selector: Option<Selector>,
+    pub selector: Option<FrameSelector>,
     /// The signal that selects it.
     pub selected_by: Option<String>,
     /// Its unit; empty for none.
@@ -85,12 +85,12 @@ impl fmt::Display for DbcFault {
     }
 }
 
-impl Database {
+impl DbcDatabase {
     /// Reads a DBC file.
     ///
     /// # Errors
     /// What is wrong with it.
-    pub fn parse(text: &str) -> Result<Database, DbcFault> {
+    pub fn parse(text: &str) -> Result<DbcDatabase, DbcFault> {
         let whole = |message: String| DbcFault { at: 0..0, message };
         if text.len() > MOST_BYTES {
             return Err(whole(format!("the file has more than {MOST_BYTES} bytes")));
@@ -103,7 +103,7 @@ impl Database {
                 messages.entry(spec.name.clone()).or_insert_with(|| Arc::new(spec));
             }
         }
-        Ok(Database { messages })
+        Ok(DbcDatabase { messages })
     }
 }
 
@@ -158,15 +158,15 @@ fn field_of(signal: &can_dbc::Signal, message: &can_dbc::Message, dbc: &Dbc) -> 
 
 fn coding_of(signal: &can_dbc::Signal, message: &can_dbc::Message, dbc: &Dbc) -> Option<Coding> {
     let order = match signal.byte_order {
-        ByteOrder::LittleEndian => Order::Little,
-        ByteOrder::BigEndian => Order::Big,
+        can_dbc::ByteOrder::LittleEndian => ByteOrder::Little,
+        can_dbc::ByteOrder::BigEndian => ByteOrder::Big,
     };
     let raw = match (dbc.extended_value_type_for_signal(message.id, &signal.name), signal.value_type) {
         (Some(SignalExtendedValueType::IEEEfloat32Bit | SignalExtendedValueType::IEEEdouble64bit), _) => {
-            Raw::Float
+            RawKind::Float
         }
-        (_, ValueType::Signed) => Raw::Signed,
-        (_, ValueType::Unsigned) => Raw::Unsigned,
+        (_, ValueType::Signed) => RawKind::Signed,
+        (_, ValueType::Unsigned) => RawKind::Unsigned,
     };
     Coding::new((signal.start_bit, signal.size), order, raw, signal.factor, signal.offset)
 }
@@ -177,7 +177,7 @@ fn selector_of(
     message: &can_dbc::Message,
     dbc: &Dbc,
     depth: usize,
-) -> Result<Option<(String, Selector)>, ()> {
+) -> Result<Option<(String, FrameSelector)>, ()> {
     let value = match signal.multiplexer_indicator {
         MultiplexIndicator::Plain | MultiplexIndicator::Multiplexor => return Ok(None),
         MultiplexIndicator::MultiplexedSignal(value)
@@ -201,12 +201,12 @@ fn selector_of(
     let selecting = selecting.filter(|_| depth < DEEPEST).ok_or(())?;
     let of = coding_of(selecting, message, dbc).ok_or(())?;
     let under = selector_of(selecting, message, dbc, depth + 1)?.map(|(_, under)| Box::new(under));
-    Ok(Some((selecting.name.clone(), Selector { of, ranges, under })))
+    Ok(Some((selecting.name.clone(), FrameSelector { of, ranges, under })))
 }
 
 /// The DBC files that a plan may name, each with what is wrong with it if it does not read.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Databases(BTreeMap<String, Result<Arc<Database>, Vec<Diagnostic>>>);
+pub(crate) struct Databases(BTreeMap<String, Result<Arc<DbcDatabase>, Vec<Diagnostic>>>);
 
 /// For where nothing names a DBC file.
 pub(crate) static NONE: Databases = Databases(BTreeMap::new());
@@ -225,7 +225,7 @@ impl Databases {
         let mut databases = Databases::default();
         for name in names.into_iter().take(MOST_FILES) {
             let read = match open(&name) {
-                Ok(file) => Database::parse(&file.text).map(Arc::new).map_err(|fault| {
+                Ok(file) => DbcDatabase::parse(&file.text).map(Arc::new).map_err(|fault| {
                     let help =
                         "have the tool that wrote it write it again, or remove what is beside the standard";
                     let found = Diagnostic::error(codes::DBC_FILE, fault.message);
@@ -240,7 +240,7 @@ impl Databases {
     }
 
     /// The DBC file of this name. `None`: no text of the plan is one.
-    pub(crate) fn get(&self, name: &str) -> Option<&Result<Arc<Database>, Vec<Diagnostic>>> {
+    pub(crate) fn get(&self, name: &str) -> Option<&Result<Arc<DbcDatabase>, Vec<Diagnostic>>> {
         self.0.get(name)
     }
 }
@@ -286,7 +286,7 @@ VAL_ 256 Gear 0 "Neutral" 1 "First" ;
 
     #[test]
     fn messages_are_read_with_their_signals() {
-        let base = Database::parse(TEXT).unwrap();
+        let base = DbcDatabase::parse(TEXT).unwrap();
         let engine = &base.messages["Engine"];
         assert_eq!((engine.id, engine.extended, engine.size), (256, false, 8));
         let data = [0x10, 0x27, 90, 1, 0, 0, 0, 0];
@@ -298,7 +298,7 @@ VAL_ 256 Gear 0 "Neutral" 1 "First" ;
 
     #[test]
     fn a_multiplexed_signal_is_there_where_it_is_selected() {
-        let base = Database::parse(TEXT).unwrap();
+        let base = DbcDatabase::parse(TEXT).unwrap();
         let mode = &base.messages["Mode"];
         assert_eq!((mode.id, mode.extended), (0x18FE_F1FE, true));
         let second = mode.field("Second").unwrap();
@@ -309,16 +309,16 @@ VAL_ 256 Gear 0 "Neutral" 1 "First" ;
 
     #[test]
     fn what_is_no_dbc_has_its_place() {
-        let fault = Database::parse("VERSION \"\"\n\nBO_ nonsense\n").unwrap_err();
+        let fault = DbcDatabase::parse("VERSION \"\"\n\nBO_ nonsense\n").unwrap_err();
         assert!(fault.message.starts_with("line 3 "), "{fault}");
     }
 
     proptest! {
         #[test]
         fn no_text_panics(text in "\\PC{0,200}", at in 0usize..TEXT.len(), len in 0usize..40, with in "[ -~\\n]{0,10}") {
-            let _ = Database::parse(&text);
+            let _ = DbcDatabase::parse(&text);
             let end = (at + len).min(TEXT.len());
-            let _ = Database::parse(&format!("{}{with}{}", &TEXT[..at], &TEXT[end..]));
+            let _ = DbcDatabase::parse(&format!("{}{with}{}", &TEXT[..at], &TEXT[end..]));
         }
     }
 }

@@ -4,10 +4,10 @@ mod coding;
 mod dbc;
 mod pattern;
 
-pub use coding::{Coding, Order, Raw, Selector};
-pub use dbc::{Database, DbcFault, FieldSpec, MessageSpec};
+pub use coding::{ByteOrder, Coding, FrameSelector, RawKind};
 pub(crate) use dbc::{Databases, NONE};
-pub use pattern::{FramePattern, FrameView, From, MAX_EXTENDED_ID, MAX_ID};
+pub use dbc::{DbcDatabase, DbcFault, FieldSpec, MessageSpec};
+pub use pattern::{FramePattern, FrameSender, FrameView, MAX_EXTENDED_ID, MAX_ID};
 
 /// A value in frames.
 #[derive(Clone, Debug, PartialEq, Eq)]

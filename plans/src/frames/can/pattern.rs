@@ -11,7 +11,7 @@ pub const MAX_EXTENDED_ID: u32 = 0x1FFF_FFFF;
 
 /// Who sent a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum From {
+pub enum FrameSender {
     /// Whoever it was.
     #[default]
     Any,
@@ -21,13 +21,13 @@ pub enum From {
     Others,
 }
 
-impl From {
+impl FrameSender {
     /// The words in plans.
     pub const NAMES: &[&str] = &["any", "own", "others"];
 
     /// The one of this word.
-    pub fn find(name: &str) -> Option<From> {
-        [From::Any, From::Own, From::Others]
+    pub fn find(name: &str) -> Option<FrameSender> {
+        [FrameSender::Any, FrameSender::Own, FrameSender::Others]
             .into_iter()
             .zip(Self::NAMES)
             .find_map(|(from, known)| (*known == name).then_some(from))
@@ -69,7 +69,7 @@ pub struct FramePattern {
     /// Their data.
     pub data: DataPattern,
     /// Who sends them.
-    pub from: From,
+    pub from: FrameSender,
     /// Whether a frame that is sent has its data at the data bit rate.
     pub brs: bool,
     /// Name of the message in a DBC file, where it comes from one.
@@ -83,9 +83,9 @@ impl FramePattern {
     #[inline]
     pub fn matches(&self, frame: &FrameView<'_>) -> bool {
         let sender = match self.from {
-            From::Any => true,
-            From::Own => frame.own,
-            From::Others => !frame.own,
+            FrameSender::Any => true,
+            FrameSender::Own => frame.own,
+            FrameSender::Others => !frame.own,
         };
         frame.id & self.mask == self.id & self.mask
             && frame.extended == self.extended
@@ -131,7 +131,7 @@ mod tests {
             remote: false,
             fd: None,
             data: DataPattern::parse("05 *").unwrap(),
-            from: From::Others,
+            from: FrameSender::Others,
             brs: false,
             message: None,
             length: None,

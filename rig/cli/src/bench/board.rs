@@ -2,7 +2,7 @@
 
 use super::INTERRUPT;
 use crate::bench_lock::BenchLockArgs;
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use document::{Diagnostic, SourceFile};
 use drivers::BoardFile;
@@ -15,11 +15,11 @@ use std::path::Path;
 ///
 /// # Errors
 /// The exit of the command, when the reason was shown.
-pub fn open(path: &Path, wait: &BenchLockArgs) -> Result<(BoardFile, Hardware), Exit> {
+pub fn open(path: &Path, wait: &BenchLockArgs) -> Result<(BoardFile, Hardware), ExitStatus> {
     let mut sources: Vec<SourceFile> = Vec::new();
     let shown = |found: &[Diagnostic], sources: &[SourceFile]| {
         output::findings(found, sources);
-        Exit::UserFiles
+        ExitStatus::UserFiles
     };
     let (file, _) = suite::load_board(&Disk, &path.to_string_lossy(), &mut sources)
         .map_err(|found| shown(&found, &sources))?;

@@ -3,7 +3,7 @@
 use super::loopback_pair::LoopbackPairArgs;
 use super::{INTERRUPT, board, interrupted, keep, measured, refuse};
 use crate::bench_lock::BenchLockArgs;
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use crate::output::OutputFormat;
 use clap::Args;
@@ -38,11 +38,11 @@ pub struct CountsArgs {
 }
 
 /// Finds the fastest pulses that a board counts, and the fastest that it makes.
-pub fn run(args: &CountsArgs) -> Exit {
+pub fn run(args: &CountsArgs) -> ExitStatus {
     try_run(args).unwrap_or_else(|exit| exit)
 }
 
-fn try_run(args: &CountsArgs) -> Result<Exit, Exit> {
+fn try_run(args: &CountsArgs) -> Result<ExitStatus, ExitStatus> {
     if args.repeats == 0 || args.repeats > MOST {
         let message = format!("--repeats {}: so many trains cannot be measured", args.repeats);
         return Err(refuse("R0250", message, &format!("from 1 to {MOST}")));
@@ -102,7 +102,7 @@ fn try_run(args: &CountsArgs) -> Result<Exit, Exit> {
         }
     }
     output::findings(&broken, &[]);
-    Ok(if broken.is_empty() { interrupted() } else { Exit::Inconclusive })
+    Ok(if broken.is_empty() { interrupted() } else { ExitStatus::Inconclusive })
 }
 
 /// The trains of one frequency in a line.

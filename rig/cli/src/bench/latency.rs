@@ -1,11 +1,11 @@
 //! `rig bench latency`.
 
 use super::{INTERRUPT, board, interrupted, interval, keep, measured, refuse, show};
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use crate::output::OutputFormat;
 use clap::Args;
-use host::{Bell, Privilege, Processors, Punctual, Realtime, Role, Wakeups, wakeups};
+use host::{Bell, Privilege, Processors, Punctual, Realtime, ThreadRole, Wakeups, wakeups};
 use record::Durations;
 use runtime::figures::durations;
 use serde_json::json;
@@ -35,7 +35,7 @@ pub struct LatencyArgs {
 }
 
 /// Wakes up as the scan does, many times, and says how late.
-pub fn run(args: &LatencyArgs) -> Exit {
+pub fn run(args: &LatencyArgs) -> ExitStatus {
     let interval = match interval(&args.interval) {
         Ok(interval) => interval,
         Err(exit) => return exit,
@@ -53,7 +53,7 @@ pub fn run(args: &LatencyArgs) -> Exit {
         }
     };
     let realtime = Realtime { processors: Processors::new(args.cpus.iter().copied()), ..realtime };
-    let mut refused = realtime.refused(Role::Scan);
+    let mut refused = realtime.refused(ThreadRole::Scan);
     let missing = args.cpus.iter().any(|number| *number > Processors::MOST);
     if missing || refused.iter().any(|refused| refused.what == Privilege::Processors) {
         let message = format!("--cpus {:?}: the rig may not run there", args.cpus);
@@ -65,7 +65,7 @@ pub fn run(args: &LatencyArgs) -> Exit {
     }
     // As a run on real lines does: the process first, then the thread.
     let punctual = Punctual::begin();
-    let entered = realtime.enter_for_now(Role::Scan);
+    let entered = realtime.enter_for_now(ThreadRole::Scan);
     let found = wakeups(&Bell::new(), interval, args.count, &INTERRUPT);
     let priority = if entered.refused.is_some() { None } else { realtime.priority };
     drop(entered);
@@ -73,7 +73,7 @@ pub fn run(args: &LatencyArgs) -> Exit {
     refused.iter().for_each(board::note);
     let Some(late) = durations("late by", &found.late) else {
         output::note("interrupted before the first wake-up");
-        return Exit::Interrupted;
+        return ExitStatus::Interrupted;
     };
     let settings = vec![
         (String::from("processors"), realtime.processors.to_string()),
@@ -123,7 +123,7 @@ fn show(
             all["priority"] = json!(priority);
             all["missed"] = json!(found.missed);
             all["histogram"] = show::histogram(&found.late);
-            all["machine"] = host::Machine::here()
+            all["machine"] = host::HostMachine::here()
                 .identity()
                 .into_iter()
                 .map(|(name, text)| (name, json!(text)))

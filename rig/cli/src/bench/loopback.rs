@@ -3,7 +3,7 @@
 use super::loopback_pair::LoopbackPairArgs;
 use super::{INTERRUPT, board, interrupted, keep, measured, refuse, show};
 use crate::bench_lock::BenchLockArgs;
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use crate::output::OutputFormat;
 use clap::Args;
@@ -37,11 +37,11 @@ pub struct LoopbackArgs {
 }
 
 /// Lets a loop drive itself and says how long its edges take.
-pub fn run(args: &LoopbackArgs) -> Exit {
+pub fn run(args: &LoopbackArgs) -> ExitStatus {
     try_run(args).unwrap_or_else(|exit| exit)
 }
 
-fn try_run(args: &LoopbackArgs) -> Result<Exit, Exit> {
+fn try_run(args: &LoopbackArgs) -> Result<ExitStatus, ExitStatus> {
     if args.count == 0 || args.count > MOST {
         let message = format!("--count {}: so many edges cannot be measured", args.count);
         return Err(refuse("R0250", message, &format!("from 1 to {MOST}")));
@@ -65,7 +65,7 @@ fn try_run(args: &LoopbackArgs) -> Result<Exit, Exit> {
         histograms.iter().filter_map(|(name, histogram)| durations(name, histogram)).collect();
     let Some(turn) = found.turn() else {
         output::note("interrupted before the first edge");
-        return Ok(Exit::Interrupted);
+        return Ok(ExitStatus::Interrupted);
     };
     let kept = keep(&measured("loopback", &devices(&file), settings, figures.clone()));
     match args.format {
@@ -92,10 +92,10 @@ fn try_run(args: &LoopbackArgs) -> Result<Exit, Exit> {
 }
 
 /// A board that is no instrument.
-pub fn failed(fault: &LoopFault, names: &[String; 2]) -> Exit {
+pub fn failed(fault: &LoopFault, names: &[String; 2]) -> ExitStatus {
     if *fault == LoopFault::Interrupted {
-        return Exit::Interrupted;
+        return ExitStatus::Interrupted;
     }
     output::findings(&[fault.finding(names)], &[]);
-    Exit::Error
+    ExitStatus::Error
 }

@@ -1,7 +1,7 @@
 //! Which loop of a board is measured.
 
 use super::refuse;
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use clap::Args;
 use drivers::{BoardFile, ChannelId, LoopbackPair};
 use std::path::Path;
@@ -22,10 +22,10 @@ impl LoopbackPairArgs {
     ///
     /// # Errors
     /// R0254: a channel that is not there, or a board without a loop; it was said.
-    pub fn find(&self, file: &BoardFile, path: &Path) -> Result<LoopbackPair, Exit> {
+    pub fn find(&self, file: &BoardFile, path: &Path) -> Result<LoopbackPair, ExitStatus> {
         match (&self.out, &self.input, file.check) {
             (Some(out), Some(input), _) => {
-                let channel = |option: &str, name: &str| -> Result<ChannelId, Exit> {
+                let channel = |option: &str, name: &str| -> Result<ChannelId, ExitStatus> {
                     file.find(name).ok_or_else(|| {
                         let message = format!("{option} {name}: the board has no such channel");
                         refuse("R0254", message, "name a channel of the board file")

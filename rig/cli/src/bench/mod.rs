@@ -8,17 +8,17 @@ mod loopback_pair;
 mod scan;
 mod show;
 
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use clap::Subcommand;
 use counts::CountsArgs;
 use document::Diagnostic;
-use host::Machine;
+use host::HostMachine;
 use latency::LatencyArgs;
 use loopback::LoopbackArgs;
 use record::{Durations, MACHINE_FORMAT, MachineRecord};
 use runtime::figures::{self, ENOUGH};
-use scan::ScanArgs;
+use scan::BenchScanArgs;
 use signal::Span;
 use signal::calendar::rfc3339;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -33,7 +33,7 @@ pub enum BenchCommand {
     /// Measure how late this machine wakes up the scan.
     Latency(LatencyArgs),
     /// Measure what the phases of a scan take on a board.
-    Scan(ScanArgs),
+    Scan(BenchScanArgs),
     /// Measure how long an edge takes from an output to the input that it is wired to.
     Loopback(LoopbackArgs),
     /// Measure how fast pulses can be for a board to count every one, and how fast it makes them.
@@ -41,7 +41,7 @@ pub enum BenchCommand {
 }
 
 /// Measures.
-pub fn run(command: &BenchCommand) -> Exit {
+pub fn run(command: &BenchCommand) -> ExitStatus {
     if let Err(error) = ctrlc::set_handler(|| INTERRUPT.store(true, Ordering::Relaxed)) {
         output::note(&format!("the run cannot be interrupted cleanly: {error}"));
     }
@@ -54,16 +54,16 @@ pub fn run(command: &BenchCommand) -> Exit {
 }
 
 /// Something wrong with the arguments.
-fn refuse(code: &'static str, message: String, help: &str) -> Exit {
+fn refuse(code: &'static str, message: String, help: &str) -> ExitStatus {
     output::findings(&[Diagnostic::error(code, message).help(help)], &[]);
-    Exit::UserFiles
+    ExitStatus::UserFiles
 }
 
 /// The longest time between two wake-ups: more than any task of a controller has.
 const LONGEST: Span = Span::from_secs(60);
 
 /// The time between two wake-ups or scans.
-fn interval(text: &str) -> Result<Span, Exit> {
+fn interval(text: &str) -> Result<Span, ExitStatus> {
     match Span::parse(text) {
         Ok(span) if span > Span::ZERO && span <= LONGEST => Ok(span),
         _ => {
@@ -74,8 +74,8 @@ fn interval(text: &str) -> Result<Span, Exit> {
 }
 
 /// The exit of a measurement that was made, or cut short.
-fn interrupted() -> Exit {
-    if INTERRUPT.load(Ordering::Relaxed) { Exit::Interrupted } else { Exit::Passed }
+fn interrupted() -> ExitStatus {
+    if INTERRUPT.load(Ordering::Relaxed) { ExitStatus::Interrupted } else { ExitStatus::Passed }
 }
 
 /// A measurement that ends now.
@@ -90,7 +90,7 @@ fn measured(
         format: MACHINE_FORMAT,
         kind: kind.to_owned(),
         measured: rfc3339(since),
-        machine: Machine::here().identity(),
+        machine: HostMachine::here().identity(),
         board_sha256: board_sha256.to_owned(),
         settings,
         figures,

@@ -3,7 +3,7 @@
 use super::loopback::failed;
 use super::{INTERRUPT, board, interrupted, interval, keep, measured, refuse, show};
 use crate::bench_lock::BenchLockArgs;
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use crate::output::OutputFormat;
 use clap::Args;
@@ -26,7 +26,7 @@ const MOST_SCAN: Span = Span::from_secs(10);
 
 /// `rig bench scan`.
 #[derive(Debug, Args)]
-pub struct ScanArgs {
+pub struct BenchScanArgs {
     /// The board file.
     #[arg(long, value_name = "FILE")]
     board: PathBuf,
@@ -51,11 +51,11 @@ pub struct ScanArgs {
 }
 
 /// Scans as the executor does and says what the phases take.
-pub fn run(args: &ScanArgs) -> Exit {
+pub fn run(args: &BenchScanArgs) -> ExitStatus {
     try_run(args).unwrap_or_else(|exit| exit)
 }
 
-fn try_run(args: &ScanArgs) -> Result<Exit, Exit> {
+fn try_run(args: &BenchScanArgs) -> Result<ExitStatus, ExitStatus> {
     let interval = interval(&args.interval)?;
     if args.count == 0 || args.count > MOST {
         let message = format!("--count {}: so many scans cannot be measured", args.count);
@@ -127,7 +127,7 @@ fn try_run(args: &ScanArgs) -> Result<Exit, Exit> {
 }
 
 /// The application of a scan, if one was given.
-fn program(files: &[PathBuf]) -> Result<Option<StandaloneRun>, Exit> {
+fn program(files: &[PathBuf]) -> Result<Option<StandaloneRun>, ExitStatus> {
     if files.is_empty() {
         return Ok(None);
     }
@@ -135,6 +135,6 @@ fn program(files: &[PathBuf]) -> Result<Option<StandaloneRun>, Exit> {
     let tasks = tasks(&program, Span::from_millis(20));
     StandaloneRun::new(Arc::clone(&program), tasks, Profile::default()).map(Some).map_err(|error| {
         output::error(&error.to_string());
-        Exit::UserFiles
+        ExitStatus::UserFiles
     })
 }

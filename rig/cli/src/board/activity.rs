@@ -1,7 +1,7 @@
 //! What happens on channels, counted.
 
 use drivers::{BoardEvent, Channel, LossReason, Origin};
-use signal::{Gap, Value, When};
+use signal::{SignalGap, Value, When};
 
 /// What happened on a channel since it was looked at first.
 #[derive(Clone, Debug, Default)]
@@ -9,7 +9,7 @@ pub struct ChannelActivity {
     /// Its level; `None` before the first report and while its device is gone.
     pub level: Option<bool>,
     /// What it shows, where it is analog; `None` before the first report and while its device is gone.
-    pub quantity: Option<Quantity>,
+    pub quantity: Option<AnalogQuantity>,
     /// The standard deviation of its samples in the last reading, where a reading is many.
     pub noise: Option<f64>,
     /// Changes from 0 to 1.
@@ -28,11 +28,11 @@ pub struct ChannelActivity {
 
 /// What an analog channel shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Quantity {
+pub enum AnalogQuantity {
     /// A value of its unit.
     Is(Value),
     /// None, for this reason.
-    NotKnown(Gap),
+    NotKnown(SignalGap),
 }
 
 /// What an event was.
@@ -43,7 +43,7 @@ pub enum ActivityChange {
     /// Another level, at this instant.
     Change(bool, When),
     /// Another quantity, or one that is not known.
-    Quantity(Quantity),
+    Quantity(AnalogQuantity),
     /// The device of the channel is gone.
     Lost(LossReason),
     /// It is back.
@@ -74,8 +74,8 @@ impl ChannelActivity {
                 ..
             } => {
                 let quantity = match origin {
-                    Origin::Gap(gap) => Quantity::NotKnown(gap),
-                    _ => Quantity::Is(value),
+                    Origin::Gap(gap) => AnalogQuantity::NotKnown(gap),
+                    _ => AnalogQuantity::Is(value),
                 };
                 (self.quantity, self.last) = (Some(quantity), Some(at));
                 ActivityChange::Quantity(quantity)
@@ -116,12 +116,12 @@ pub fn loss(reason: LossReason) -> &'static str {
 }
 
 /// A quantity in the unit of its channel.
-pub fn quantity(quantity: Quantity, unit: &str) -> String {
+pub fn quantity(quantity: AnalogQuantity, unit: &str) -> String {
     match quantity {
-        Quantity::Is(Value::Real(number)) => format!("{number:.4} {unit}").trim_end().to_owned(),
-        Quantity::Is(Value::Unknown) => "not known".to_owned(),
-        Quantity::Is(value) => format!("{value} {unit}").trim_end().to_owned(),
-        Quantity::NotKnown(gap) => format!("not known: {gap}"),
+        AnalogQuantity::Is(Value::Real(number)) => format!("{number:.4} {unit}").trim_end().to_owned(),
+        AnalogQuantity::Is(Value::Unknown) => "not known".to_owned(),
+        AnalogQuantity::Is(value) => format!("{value} {unit}").trim_end().to_owned(),
+        AnalogQuantity::NotKnown(gap) => format!("not known: {gap}"),
     }
 }
 
@@ -180,7 +180,7 @@ mod tests {
         };
         assert_eq!(shown(Value::measured(3.3, 0.012), Origin::Outside), "3.300 ± 0.012 bar");
         assert_eq!(shown(Value::Real(3.3), Origin::Outside), "3.3000 bar");
-        assert_eq!(shown(Value::Unknown, Origin::Gap(Gap::OpenWire)), "not known: its wire is open");
+        assert_eq!(shown(Value::Unknown, Origin::Gap(SignalGap::OpenWire)), "not known: its wire is open");
     }
 
     #[test]

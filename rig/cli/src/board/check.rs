@@ -1,7 +1,7 @@
 //! `rig board check`: whether the devices of a board file can be had, without claiming any.
 
 use super::real_board_file::{OtherDevices, RealBoardFile};
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use clap::Args;
 use document::Diagnostic;
@@ -13,14 +13,14 @@ use std::path::PathBuf;
 
 /// `rig board check`.
 #[derive(Debug, Args)]
-pub struct CheckArgs {
+pub struct BoardCheckArgs {
     /// The board file.
     #[arg(value_name = "FILE")]
     file: PathBuf,
 }
 
 /// Looks for every line of the file.
-pub fn run(args: &CheckArgs) -> Exit {
+pub fn run(args: &BoardCheckArgs) -> ExitStatus {
     let bench = match RealBoardFile::read(&args.file) {
         Ok(bench) => bench,
         Err(exit) => return exit,
@@ -69,7 +69,7 @@ pub fn run(args: &CheckArgs) -> Exit {
         count => format!(" and {count} buses"),
     };
     output::print(&format!("{}: all {} channels{buses} can be had\n", args.file.display(), rows.len()));
-    Exit::Passed
+    ExitStatus::Passed
 }
 
 /// What is said of a channel that can be had.

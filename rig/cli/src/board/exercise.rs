@@ -3,7 +3,7 @@
 use super::activity::{ActivityChange, ChannelActivity, loss};
 use super::real_board_file::{OtherDevices, RealBoardFile, failed, listening};
 use crate::bench_lock::BenchLockArgs;
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::operator::TerminalOperator;
 use crate::output;
 use clap::Args;
@@ -47,11 +47,11 @@ pub struct ExerciseArgs {
 
 /// Drives outputs, one after the other, each only with consent. An output is claimed while it has its turn, and safe
 /// before and after it; no other one is touched.
-pub fn run(args: &ExerciseArgs) -> Exit {
+pub fn run(args: &ExerciseArgs) -> ExitStatus {
     try_run(args).unwrap_or_else(|exit| exit)
 }
 
-fn try_run(args: &ExerciseArgs) -> Result<Exit, Exit> {
+fn try_run(args: &ExerciseArgs) -> Result<ExitStatus, ExitStatus> {
     let bench = RealBoardFile::read(&args.file)?;
     let outputs: Vec<usize> = (0..bench.file.circuit.channels.len())
         .filter(|at| bench.line(*at).is_some_and(|line| line.direction == Direction::Output))
@@ -60,7 +60,7 @@ fn try_run(args: &ExerciseArgs) -> Result<Exit, Exit> {
     let handled = ctrlc::set_handler(|| INTERRUPT.store(true, Ordering::Relaxed));
     if let Err(error) = handled {
         output::error(&format!("interrupts cannot be handled: {error}"));
-        return Err(Exit::Error);
+        return Err(ExitStatus::Error);
     }
     let _lock = args.wait.take(&bench.file, &INTERRUPT)?;
     let mut sound = true;
@@ -69,7 +69,7 @@ fn try_run(args: &ExerciseArgs) -> Result<Exit, Exit> {
             None => args.yes.iter().any(|name| name == bench.name(at)),
             Some(operator) => match ask_consent(operator, &bench, at, args.hold) {
                 Ok(answer) => answer,
-                Err(AskError::Interrupted) => return Err(Exit::Interrupted),
+                Err(AskError::Interrupted) => return Err(ExitStatus::Interrupted),
                 Err(AskError::Nobody) => return Err(nobody()),
             },
         };
@@ -77,10 +77,10 @@ fn try_run(args: &ExerciseArgs) -> Result<Exit, Exit> {
             sound &= exercise_output(&bench, at, args.hold)?;
         }
         if INTERRUPT.load(Ordering::Relaxed) {
-            return Err(Exit::Interrupted);
+            return Err(ExitStatus::Interrupted);
         }
     }
-    Ok(if sound { Exit::Passed } else { Exit::Error })
+    Ok(if sound { ExitStatus::Passed } else { ExitStatus::Error })
 }
 
 /// Who is asked: nobody where the command line agrees for them.
@@ -88,7 +88,7 @@ fn consent(
     args: &ExerciseArgs,
     bench: &RealBoardFile,
     outputs: &[usize],
-) -> Result<Option<TerminalOperator>, Exit> {
+) -> Result<Option<TerminalOperator>, ExitStatus> {
     let names: Vec<&str> = outputs.iter().map(|at| bench.name(*at)).collect();
     let wrong = |name: &String| {
         let help = match (suggest(name, names.iter().copied()), names.is_empty()) {
@@ -111,19 +111,19 @@ fn consent(
     match (TerminalOperator::if_present(), names.is_empty()) {
         (_, true) => {
             output::note("the board has no outputs, so there is nothing to exercise");
-            Err(Exit::Passed)
+            Err(ExitStatus::Passed)
         }
         (Some(operator), false) => Ok(Some(operator)),
         (None, false) => Err(nobody()),
     }
 }
 
-fn nobody() -> Exit {
+fn nobody() -> ExitStatus {
     let found =
         Diagnostic::error(NO_CONSENT, "an output moves only with consent, and nobody can be asked here")
             .help("run it on a terminal, or name the outputs that may move: --yes CHANNEL,...");
     output::findings(&[found], &[]);
-    Exit::UserFiles
+    ExitStatus::UserFiles
 }
 
 fn ask_consent(
@@ -141,20 +141,20 @@ fn ask_consent(
 }
 
 /// Drives an output and reports what came back. `false` where the rig lost something on the way.
-fn exercise_output(bench: &RealBoardFile, at: usize, hold: Span) -> Result<bool, Exit> {
+fn exercise_output(bench: &RealBoardFile, at: usize, hold: Span) -> Result<bool, ExitStatus> {
     let keep = |other, line: &LineSpec| if other == at { Some(line.clone()) } else { listening(line) };
     let board = bench.subset(keep, OtherDevices::Excluded);
     // As in a run: with the guard watching the output, if the file has one.
     let opened = Hardware::open(&board).map_err(|found| bench.wrong(&found))?;
     // Only a simulated board has nothing to open, and such files were refused.
-    let hardware = opened.ok_or(Exit::UserFiles)?;
+    let hardware = opened.ok_or(ExitStatus::UserFiles)?;
     // A host that is busy is not to look like a rig that hangs.
     let _entered = hardware.enter();
     let mut board = hardware.lease();
     let time = &hardware.surroundings().time;
     board.start(time.now()).map_err(failed)?;
     let name = bench.name(at);
-    let driven = board.find(name).ok_or(Exit::Error)?;
+    let driven = board.find(name).ok_or(ExitStatus::Error)?;
     let safe = bench.line(at).is_some_and(|line| line.safe);
     let mut responses = ResponseRecorder::new(board.channels());
     if let Some(heartbeat) = hardware.heartbeat() {
@@ -183,10 +183,10 @@ fn exercise_output(bench: &RealBoardFile, at: usize, hold: Span) -> Result<bool,
 }
 
 /// Reports why the guard does not watch over the output.
-fn unguarded(error: GuardError) -> Exit {
+fn unguarded(error: GuardError) -> ExitStatus {
     let found = Diagnostic::error(error.code(), error.to_string()).help(error.help());
     output::findings(&[found], &[]);
-    Exit::Error
+    ExitStatus::Error
 }
 
 /// What the channels answer.
@@ -216,7 +216,7 @@ impl ResponseRecorder {
     }
 
     /// Records what happens for so long, or until an interrupt.
-    fn listen(&mut self, board: &mut dyn Board, hardware: &Hardware, lasts: Span) -> Result<(), Exit> {
+    fn listen(&mut self, board: &mut dyn Board, hardware: &Hardware, lasts: Span) -> Result<(), ExitStatus> {
         let (surroundings, heartbeat) = (hardware.surroundings(), hardware.heartbeat());
         let end = surroundings.time.now() + lasts;
         let look_up = heartbeat.map_or(LOOK_UP, |heartbeat| heartbeat.every().min(LOOK_UP));

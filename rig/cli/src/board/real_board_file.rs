@@ -1,6 +1,6 @@
 //! The board file of `rig board check`, `watch` and `exercise`, and boards of some of its lines.
 
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use document::{Diagnostic, SourceFile};
 use drivers::circuit::ChannelSpec;
@@ -43,11 +43,11 @@ impl RealBoardFile {
     ///
     /// # Errors
     /// Something is wrong with it, which was said.
-    pub fn read(path: &Path) -> Result<RealBoardFile, Exit> {
+    pub fn read(path: &Path) -> Result<RealBoardFile, ExitStatus> {
         let mut sources = Vec::new();
         let wrong = |found: Vec<Diagnostic>, sources: &[SourceFile]| {
             output::findings(&found, sources);
-            Exit::UserFiles
+            ExitStatus::UserFiles
         };
         let (file, _) = suite::load_board(&Disk, &path.to_string_lossy(), &mut sources)
             .map_err(|found| wrong(found, &sources))?;
@@ -139,10 +139,10 @@ impl RealBoardFile {
     ///
     /// # Errors
     /// They cannot be had, which was said.
-    pub fn open(&self, file: &BoardFile, surroundings: &BoardContext) -> Result<Box<dyn Board>, Exit> {
+    pub fn open(&self, file: &BoardFile, surroundings: &BoardContext) -> Result<Box<dyn Board>, ExitStatus> {
         let opened = drivers::file::open(file, surroundings).map_err(|found| self.wrong(&found))?;
         // Only a simulated board has nothing to open, and such files were refused.
-        let mut board = opened.ok_or(Exit::UserFiles)?;
+        let mut board = opened.ok_or(ExitStatus::UserFiles)?;
         // Finding lines takes a while, and what is shown counts from when they are watched.
         surroundings.time.restart();
         board.start(surroundings.time.now()).map_err(failed)?;
@@ -150,9 +150,9 @@ impl RealBoardFile {
     }
 
     /// Says what is wrong with the file on this machine.
-    pub fn wrong(&self, found: &[Diagnostic]) -> Exit {
+    pub fn wrong(&self, found: &[Diagnostic]) -> ExitStatus {
         output::findings(found, &self.sources);
-        Exit::UserFiles
+        ExitStatus::UserFiles
     }
 }
 
@@ -167,12 +167,12 @@ pub fn listening(line: &LineSpec) -> Option<LineSpec> {
 }
 
 /// Says that a call on a device failed.
-pub fn failed(error: BoardError) -> Exit {
+pub fn failed(error: BoardError) -> ExitStatus {
     let found = Diagnostic::error(CALL_FAILED, error.to_string()).help(
         "`rig board check` shows whether the lines are there; `dmesg` shows what the device's driver reports",
     );
     output::findings(&[found], &[]);
-    Exit::Error
+    ExitStatus::Error
 }
 
 /// An instant or a duration of so many nanoseconds, in seconds with the digits that a terminal has room for.

@@ -2,7 +2,7 @@
 
 use super::scanned_devices::{self, ScannedDevices};
 use super::toml_text::{bare, is_name, quoted};
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::{files, output};
 use clap::Args;
 use document::Diagnostic;
@@ -20,7 +20,7 @@ const FILE_EXISTS: &str = "R0242";
 
 /// `rig board scan`.
 #[derive(Debug, Args)]
-pub struct ScanArgs {
+pub struct BoardScanArgs {
     /// Write the board file here, never over a file that is there [default: standard output].
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -30,7 +30,7 @@ pub struct ScanArgs {
 }
 
 /// Writes the board file.
-pub fn run(args: &ScanArgs) -> Exit {
+pub fn run(args: &BoardScanArgs) -> ExitStatus {
     let devices = inventory::devices(&args.root);
     let others = scanned_devices::look(&args.root, &devices);
     let (chips, refused) = match gpio::list() {
@@ -50,21 +50,21 @@ pub fn run(args: &ScanArgs) -> Exit {
     }
     output::findings(&found, &[]);
     if chips.is_empty() && !others.live {
-        return Exit::UserFiles;
+        return ExitStatus::UserFiles;
     }
     let text = board_file(&chips, &others, &devices);
     let Some(path) = &args.output else {
         output::print(&text);
-        return Exit::Passed;
+        return ExitStatus::Passed;
     };
     match write_new(path, &text) {
         Ok(()) => {
             output::print(&format!("{}\n", path.display()));
-            Exit::Passed
+            ExitStatus::Passed
         }
         Err(wrong) => {
             output::findings(&[wrong], &[]);
-            Exit::UserFiles
+            ExitStatus::UserFiles
         }
     }
 }

@@ -6,7 +6,7 @@ use drivers::can::{self, Link, Modes};
 use drivers::counter::{self, CounterDevice};
 use drivers::counting::CountFunction;
 use drivers::inventory::{Device, DeviceKind};
-use host::Machine;
+use host::HostMachine;
 use std::path::Path;
 
 /// How often an input is read that nobody thought about yet.
@@ -31,7 +31,7 @@ pub struct ScannedDevices {
 
 /// What there is on the machine whose `/dev` and `/sys` lie under `root`.
 pub fn look(root: &Path, devices: &[Device]) -> ScannedDevices {
-    let machine = Machine::below(root);
+    let machine = HostMachine::below(root);
     let mut found = ScannedDevices::default();
     let all = iio::list(root);
     for device in &all {
@@ -62,7 +62,7 @@ pub fn look(root: &Path, devices: &[Device]) -> ScannedDevices {
 }
 
 /// A converter that the kernel has a driver for, with a channel for each input.
-fn converter(machine: &Machine, device: &IioDevice, all: &[IioDevice], found: &mut ScannedDevices) {
+fn converter(machine: &HostMachine, device: &IioDevice, all: &[IioDevice], found: &mut ScannedDevices) {
     let twin = all.iter().filter(|other| other.name == device.name).count() > 1;
     let named = !twin && is_name(&device.name);
     let place = device.folder.canonicalize().ok();
@@ -99,7 +99,7 @@ fn converter(machine: &Machine, device: &IioDevice, all: &[IioDevice], found: &m
 }
 
 /// A device of the counter subsystem, with a channel for each of its counts.
-fn counts(machine: &Machine, device: &CounterDevice, all: &[CounterDevice], found: &mut ScannedDevices) {
+fn counts(machine: &HostMachine, device: &CounterDevice, all: &[CounterDevice], found: &mut ScannedDevices) {
     let twin = all.iter().filter(|other| other.name == device.name).count() > 1;
     let named = !twin && is_name(&device.name);
     let place = device.folder.canonicalize().ok();

@@ -3,7 +3,7 @@
 use super::activity::{ActivityChange, ChannelActivity, loss, quantity, row, table};
 use super::real_board_file::{OtherDevices, RealBoardFile, failed, listening, seconds};
 use super::traffic::{self, Traffic};
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use clap::Args;
 use drivers::{Board, BoardContext, BoardEvent, BoardExt, Bus, Channel, ChannelId, ChannelKind};
@@ -22,7 +22,7 @@ static INTERRUPT: AtomicBool = AtomicBool::new(false);
 
 /// `rig board watch`.
 #[derive(Debug, Args)]
-pub struct WatchArgs {
+pub struct BoardWatchArgs {
     /// The board file.
     #[arg(value_name = "FILE")]
     file: PathBuf,
@@ -32,11 +32,11 @@ pub struct WatchArgs {
 }
 
 /// Watches lines. Those that the rig would drive are left alone, unless another line reports them.
-pub fn run(args: &WatchArgs) -> Exit {
+pub fn run(args: &BoardWatchArgs) -> ExitStatus {
     try_run(args).unwrap_or_else(|exit| exit)
 }
 
-fn try_run(args: &WatchArgs) -> Result<Exit, Exit> {
+fn try_run(args: &BoardWatchArgs) -> Result<ExitStatus, ExitStatus> {
     let bench = RealBoardFile::read(&args.file)?;
     let watched = bench.subset(|_, line| listening(line), OtherDevices::Included);
     let left: Vec<&str> = (0..bench.file.circuit.channels.len())
@@ -55,7 +55,7 @@ fn try_run(args: &WatchArgs) -> Result<Exit, Exit> {
     });
     if let Err(error) = handled {
         output::error(&format!("interrupts cannot be handled: {error}"));
-        return Err(Exit::Error);
+        return Err(ExitStatus::Error);
     }
     let mut board = bench.open(&watched, &surroundings)?;
     let mut tallies = vec![ChannelActivity::default(); board.channels().len()];
@@ -69,7 +69,7 @@ fn try_run(args: &WatchArgs) -> Result<Exit, Exit> {
     for (bus, traffic) in board.bus_list().iter().zip(&traffics) {
         output::print(&format!("{}\n", traffic::row(bus, traffic, wide)));
     }
-    outcome.map(|()| if board.health().is_sound() { Exit::Passed } else { Exit::Error })
+    outcome.map(|()| if board.health().is_sound() { ExitStatus::Passed } else { ExitStatus::Error })
 }
 
 /// Takes what happens until the end.
@@ -79,7 +79,7 @@ fn follow(
     lasts: Option<Span>,
     tallies: &mut [ChannelActivity],
     traffics: &mut [Traffic],
-) -> Result<(), Exit> {
+) -> Result<(), ExitStatus> {
     let channels = board.channels().to_vec();
     let buses = board.bus_list().to_vec();
     let mut view = WatchScreen::new(&channels, &buses);

@@ -3,10 +3,12 @@
 use super::show;
 use super::watch::host;
 use super::{CtlError, commands, value};
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use clap::Args;
-use control::{Change, Client, Event, Operation, Signal, Subscribed, Topic, WireValue};
+use control::{
+    ControlClient, RequestOperation, Signal, SignalChange, Subscribed, SubscriptionEvent, Topic, WireValue,
+};
 use signal::{Span, Value};
 use std::time::{Duration, Instant};
 
@@ -88,7 +90,7 @@ struct AwaitedValue {
 }
 
 /// Waits.
-pub fn run(client: &mut Client, args: &AwaitArgs) -> Result<Exit, CtlError> {
+pub fn run(client: &mut ControlClient, args: &AwaitArgs) -> Result<ExitStatus, CtlError> {
     let mut wanted = Vec::new();
     for words in &args.wanted {
         let Some((name, relation, text)) = split(words) else {
@@ -98,8 +100,8 @@ pub fn run(client: &mut Client, args: &AwaitArgs) -> Result<Exit, CtlError> {
         wanted.push((words, name.to_owned(), relation, value));
     }
     let names = wanted.iter().map(|(_, name, ..)| name.clone()).collect();
-    let begun: Subscribed =
-        client.ask(Operation::Subscribe { topic: Topic::Signals { names, every_ms: 1, all: true } })?;
+    let begun: Subscribed = client
+        .ask(RequestOperation::Subscribe { topic: Topic::Signals { names, every_ms: 1, all: true } })?;
     let signals = wanted.into_iter().zip(begun.signals);
     let mut wanted: Vec<AwaitedValue> = signals
         .map(|((words, _, relation, value), signal)| AwaitedValue {
@@ -130,24 +132,24 @@ pub fn run(client: &mut Client, args: &AwaitArgs) -> Result<Exit, CtlError> {
         }
     }
     if met {
-        return Ok(Exit::Passed);
+        return Ok(ExitStatus::Passed);
     }
     for one in wanted.iter().filter(|one| !one.relation.holds(one.is, one.value)) {
         output::info(&format!("{} was not reached: it is {}", one.words, show::value(one.is, &one.signal)));
     }
-    Ok(Exit::Failed)
+    Ok(ExitStatus::Failed)
 }
 
 /// Takes the changes of an event up to the one with which all hold at once.
-fn event_meets(wanted: &mut [AwaitedValue], event: &Event) -> bool {
+fn event_meets(wanted: &mut [AwaitedValue], event: &SubscriptionEvent) -> bool {
     match event {
-        Event::Signals { changes, .. } => changes.iter().any(|change| take(wanted, change)),
+        SubscriptionEvent::Signals { changes, .. } => changes.iter().any(|change| take(wanted, change)),
         _ => false,
     }
 }
 
 /// Takes a change; returns whether all hold now.
-fn take(wanted: &mut [AwaitedValue], Change(number, _, _, WireValue(value)): &Change) -> bool {
+fn take(wanted: &mut [AwaitedValue], SignalChange(number, _, _, WireValue(value)): &SignalChange) -> bool {
     for one in wanted.iter_mut().filter(|one| one.signal.number == *number) {
         one.is = *value;
     }

@@ -3,10 +3,10 @@
 
 use super::CtlError;
 use super::show::seconds;
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::{operator, output};
 use clap::{Args, Subcommand};
-use control::{Action, Advanced, Client, Done, Operation};
+use control::{Advanced, ControlClient, ControllerAction, Done, RequestOperation};
 use signal::Span;
 use std::io::{BufRead, Write};
 use std::time::Duration;
@@ -51,35 +51,35 @@ pub struct ActArgs {
 }
 
 impl ControllerCommand {
-    const fn action(&self) -> (Action, &ActArgs) {
+    const fn action(&self) -> (ControllerAction, &ActArgs) {
         match self {
-            ControllerCommand::Run(args) => (Action::Run, args),
-            ControllerCommand::Stop(args) => (Action::Stop, args),
-            ControllerCommand::ResetWarm(args) => (Action::ResetWarm, args),
-            ControllerCommand::ResetCold(args) => (Action::ResetCold, args),
-            ControllerCommand::ResetOrigin(args) => (Action::ResetOrigin, args),
-            ControllerCommand::Reboot(args) => (Action::Reboot, args),
-            ControllerCommand::SwitchRun(args) => (Action::SwitchRun, args),
-            ControllerCommand::SwitchStop(args) => (Action::SwitchStop, args),
-            ControllerCommand::PowerOn(args) => (Action::PowerOn, args),
-            ControllerCommand::PowerOff(args) => (Action::PowerOff, args),
+            ControllerCommand::Run(args) => (ControllerAction::Run, args),
+            ControllerCommand::Stop(args) => (ControllerAction::Stop, args),
+            ControllerCommand::ResetWarm(args) => (ControllerAction::ResetWarm, args),
+            ControllerCommand::ResetCold(args) => (ControllerAction::ResetCold, args),
+            ControllerCommand::ResetOrigin(args) => (ControllerAction::ResetOrigin, args),
+            ControllerCommand::Reboot(args) => (ControllerAction::Reboot, args),
+            ControllerCommand::SwitchRun(args) => (ControllerAction::SwitchRun, args),
+            ControllerCommand::SwitchStop(args) => (ControllerAction::SwitchStop, args),
+            ControllerCommand::PowerOn(args) => (ControllerAction::PowerOn, args),
+            ControllerCommand::PowerOff(args) => (ControllerAction::PowerOff, args),
         }
     }
 }
 
 /// Gives a command.
-pub fn act(client: &mut Client, command: &ControllerCommand) -> Result<Exit, CtlError> {
+pub fn act(client: &mut ControlClient, command: &ControllerCommand) -> Result<ExitStatus, CtlError> {
     let (action, args) = command.action();
     confirm(client, args.yes, action.name())?;
-    client.ask::<Done>(Operation::Command { action })?;
-    Ok(Exit::Passed)
+    client.ask::<Done>(RequestOperation::Command { action })?;
+    Ok(ExitStatus::Passed)
 }
 
 /// Asks the operator at a terminal to confirm what moves outputs. A script is not asked.
 ///
 /// # Errors
 /// It is not confirmed.
-pub fn confirm(client: &Client, yes: bool, what: &str) -> Result<(), CtlError> {
+pub fn confirm(client: &ControlClient, yes: bool, what: &str) -> Result<(), CtlError> {
     if yes || !operator::is_present() {
         return Ok(());
     }
@@ -92,7 +92,7 @@ pub fn confirm(client: &Client, yes: bool, what: &str) -> Result<(), CtlError> {
         return Ok(());
     }
     output::note("nothing was done");
-    Err(CtlError::Exit(Exit::Interrupted))
+    Err(CtlError::Exit(ExitStatus::Interrupted))
 }
 
 /// `rig ctl lock`.
@@ -104,21 +104,21 @@ pub struct LockArgs {
 }
 
 /// Locks the rig.
-pub fn lock(client: &mut Client, args: &LockArgs) -> Result<Exit, CtlError> {
-    client.ask::<Done>(Operation::Lock { note: args.note.clone() })?;
-    Ok(Exit::Passed)
+pub fn lock(client: &mut ControlClient, args: &LockArgs) -> Result<ExitStatus, CtlError> {
+    client.ask::<Done>(RequestOperation::Lock { note: args.note.clone() })?;
+    Ok(ExitStatus::Passed)
 }
 
 /// Ends the lock.
-pub fn unlock(client: &mut Client) -> Result<Exit, CtlError> {
-    client.ask::<Done>(Operation::Unlock)?;
-    Ok(Exit::Passed)
+pub fn unlock(client: &mut ControlClient) -> Result<ExitStatus, CtlError> {
+    client.ask::<Done>(RequestOperation::Unlock)?;
+    Ok(ExitStatus::Passed)
 }
 
 /// Ends the plan that runs.
-pub fn abort(client: &mut Client) -> Result<Exit, CtlError> {
-    client.ask::<Done>(Operation::Abort)?;
-    Ok(Exit::Passed)
+pub fn abort(client: &mut ControlClient) -> Result<ExitStatus, CtlError> {
+    client.ask::<Done>(RequestOperation::Abort)?;
+    Ok(ExitStatus::Passed)
 }
 
 /// `rig ctl advance`.
@@ -130,24 +130,25 @@ pub struct AdvanceArgs {
 }
 
 /// Lets time pass, and prints the instant that was reached.
-pub fn advance(client: &mut Client, args: &AdvanceArgs) -> Result<Exit, CtlError> {
+pub fn advance(client: &mut ControlClient, args: &AdvanceArgs) -> Result<ExitStatus, CtlError> {
     let at = advance_by(client, args.by, STEP, |_| Ok(true))?;
     output::print(&format!("{}\n", seconds(at)));
-    Ok(Exit::Passed)
+    Ok(ExitStatus::Passed)
 }
 
 /// Advances time step by step; after each one `goes_on` is asked. Returns the instant that was reached.
 pub fn advance_by(
-    client: &mut Client,
+    client: &mut ControlClient,
     by: Span,
     step: Span,
-    mut goes_on: impl FnMut(&mut Client) -> Result<bool, CtlError>,
+    mut goes_on: impl FnMut(&mut ControlClient) -> Result<bool, CtlError>,
 ) -> Result<i64, CtlError> {
     let mut left = by;
     loop {
         let next = left.min(step);
         left = left - next;
-        let reached: Advanced = client.ask_within(Operation::Advance { by: next.as_nanos() }, PATIENCE)?;
+        let reached: Advanced =
+            client.ask_within(RequestOperation::Advance { by: next.as_nanos() }, PATIENCE)?;
         if !goes_on(client)? || left <= Span::ZERO {
             return Ok(reached.at);
         }

@@ -4,10 +4,10 @@ use super::CtlError;
 use super::commands;
 use super::show::{print_text, seconds};
 use super::watch::host;
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use clap::Args;
-use control::{Client, Event, FrameSeen, Operation, Subscribed, Topic};
+use control::{ControlClient, FrameSeen, RequestOperation, Subscribed, SubscriptionEvent, Topic};
 use serde_json::json;
 use signal::Span;
 use std::time::{Duration, Instant};
@@ -39,16 +39,16 @@ pub struct FramesArgs {
 }
 
 /// Prints frames.
-pub fn run(client: &mut Client, args: &FramesArgs) -> Result<Exit, CtlError> {
-    client.ask::<Subscribed>(Operation::Subscribe { topic: Topic::Frames })?;
+pub fn run(client: &mut ControlClient, args: &FramesArgs) -> Result<ExitStatus, CtlError> {
+    client.ask::<Subscribed>(RequestOperation::Subscribe { topic: Topic::Frames })?;
     let mut left = args.count.map(std::num::NonZeroU64::get);
-    let mut take = |event: &Event| match event {
-        Event::Frame { frame, .. } if wanted(args, frame) => {
+    let mut take = |event: &SubscriptionEvent| match event {
+        SubscriptionEvent::Frame { frame, .. } if wanted(args, frame) => {
             left = left.map(|left| left - 1);
             let text = if args.json { format!("{}\n", json!(frame)) } else { line(frame) };
             print_text(&text) && left != Some(0)
         }
-        Event::Missed { lines, .. } => {
+        SubscriptionEvent::Missed { lines, .. } => {
             output::note(&format!("{lines} frames were left out"));
             true
         }
@@ -62,7 +62,7 @@ pub fn run(client: &mut Client, args: &FramesArgs) -> Result<Exit, CtlError> {
             }
             Ok(goes_on)
         })?;
-        return Ok(Exit::Passed);
+        return Ok(ExitStatus::Passed);
     }
     let until = args.lasts.map(|lasts| Instant::now() + host(lasts));
     while until.is_none_or(|until| Instant::now() < until) {
@@ -73,7 +73,7 @@ pub fn run(client: &mut Client, args: &FramesArgs) -> Result<Exit, CtlError> {
             break;
         }
     }
-    Ok(Exit::Passed)
+    Ok(ExitStatus::Passed)
 }
 
 fn wanted(args: &FramesArgs, frame: &FrameSeen) -> bool {

@@ -1,7 +1,7 @@
 //! Interrupts of commands that have something to undo. Others end by the signal itself.
 
 use super::CtlError;
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -15,7 +15,7 @@ static INTERRUPT: AtomicBool = AtomicBool::new(false);
 pub fn catch() -> Result<impl Fn() -> bool, CtlError> {
     if let Err(error) = ctrlc::set_handler(|| INTERRUPT.store(true, Ordering::Relaxed)) {
         output::error(&format!("interrupts cannot be caught: {error}"));
-        return Err(CtlError::Exit(Exit::Error));
+        return Err(CtlError::Exit(ExitStatus::Error));
     }
     Ok(|| INTERRUPT.load(Ordering::Relaxed))
 }

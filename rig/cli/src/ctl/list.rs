@@ -2,16 +2,16 @@
 
 use super::CtlError;
 use super::show::{self, columns};
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use clap::Args;
 use control::client::running;
-use control::{Client, Description, Direction, Operation, Point, Signal, SignalKind};
+use control::{ControlClient, Description, PointDirection, PointInfo, RequestOperation, Signal, SignalKind};
 use serde_json::json;
 
 /// `rig ctl list`.
 #[derive(Debug, Args)]
-pub struct ListArgs {
+pub struct CtlListArgs {
     /// Only those of which one of these words is a part, in any case of letters.
     #[arg(value_name = "WORD")]
     words: Vec<String>,
@@ -20,7 +20,7 @@ pub struct ListArgs {
     json: bool,
 }
 
-impl ListArgs {
+impl CtlListArgs {
     fn takes(&self, row: &[String]) -> bool {
         let has = |word: &String| row.iter().any(|cell| cell.to_lowercase().contains(&word.to_lowercase()));
         self.words.is_empty() || self.words.iter().any(has)
@@ -28,26 +28,26 @@ impl ListArgs {
 }
 
 /// Lists points and signals.
-pub fn list(client: &mut Client, args: &ListArgs) -> Result<Exit, CtlError> {
-    let it: Description = client.ask(Operation::Describe)?;
-    let points: Vec<&Point> = it.points.iter().filter(|one| args.takes(&point(one))).collect();
+pub fn list(client: &mut ControlClient, args: &CtlListArgs) -> Result<ExitStatus, CtlError> {
+    let it: Description = client.ask(RequestOperation::Describe)?;
+    let points: Vec<&PointInfo> = it.points.iter().filter(|one| args.takes(&point(one))).collect();
     let signals: Vec<&Signal> = it.signals.iter().filter(|one| args.takes(&signal(one))).collect();
     if args.json {
         show::json(&json!({ "points": points, "signals": signals }));
-        return Ok(Exit::Passed);
+        return Ok(ExitStatus::Passed);
     }
     let rows: Vec<Vec<String>> =
         points.into_iter().map(point).chain(signals.into_iter().map(signal)).collect();
     output::print(&columns(&rows));
-    Ok(Exit::Passed)
+    Ok(ExitStatus::Passed)
 }
 
 /// Name, kind, where it is, what the program calls it, what can be done with it.
-fn point(point: &Point) -> Vec<String> {
+fn point(point: &PointInfo) -> Vec<String> {
     let way = match point.direction {
-        Direction::Input => "input",
-        Direction::Output => "output",
-        Direction::Loose => "line",
+        PointDirection::Input => "input",
+        PointDirection::Output => "output",
+        PointDirection::Loose => "line",
     };
     let unit = point.channel.as_ref().map(|channel| channel.unit.as_str()).unwrap_or_default();
     let mut also = Vec::new();
@@ -81,11 +81,11 @@ fn kind(kind: SignalKind, unit: &str) -> String {
 }
 
 /// Lists the rigs that run.
-pub fn rigs() -> Exit {
-    let row = |rig: &Client| {
+pub fn rigs() -> ExitStatus {
+    let row = |rig: &ControlClient| {
         let (socket, greeting) = (rig.socket().display().to_string(), rig.greeting());
         vec![socket, greeting.reference.clone(), greeting.board.clone()]
     };
     output::print(&columns(&running().iter().map(row).collect::<Vec<_>>()));
-    Exit::Passed
+    ExitStatus::Passed
 }

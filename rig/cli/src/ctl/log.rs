@@ -3,10 +3,10 @@
 use super::CtlError;
 use super::show::{print_text, seconds};
 use super::watch::host;
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use clap::Args;
-use control::{Client, Event, Operation, Subscribed, Topic};
+use control::{ControlClient, RequestOperation, Subscribed, SubscriptionEvent, Topic};
 use signal::Span;
 use std::time::{Duration, Instant};
 
@@ -28,20 +28,22 @@ pub struct LogArgs {
 }
 
 /// Prints the log so far, then what comes.
-pub fn run(client: &mut Client, args: &LogArgs) -> Result<Exit, CtlError> {
-    let begun: Subscribed = client.ask(Operation::Subscribe { topic: Topic::Log })?;
+pub fn run(client: &mut ControlClient, args: &LogArgs) -> Result<ExitStatus, CtlError> {
+    let begun: Subscribed = client.ask(RequestOperation::Subscribe { topic: Topic::Log })?;
     let first = args.lines.map_or(0, |lines| begun.log.len().saturating_sub(lines));
     let mut open = begun.log.iter().skip(first).all(|line| print_text(&shown(line.at, &line.text)));
     let until = args.lasts.map(|lasts| Instant::now() + host(lasts));
     while open && (args.follow || until.is_some()) && until.is_none_or(|until| Instant::now() < until) {
         let left = until.map_or(WAIT, |until| until.saturating_duration_since(Instant::now()).min(WAIT));
         match client.next(left)? {
-            Some(Event::Log { at, text, .. }) => open = print_text(&shown(at, &text)),
-            Some(Event::Missed { lines, .. }) => output::note(&format!("{lines} lines were left out")),
+            Some(SubscriptionEvent::Log { at, text, .. }) => open = print_text(&shown(at, &text)),
+            Some(SubscriptionEvent::Missed { lines, .. }) => {
+                output::note(&format!("{lines} lines were left out"))
+            }
             _ => {}
         }
     }
-    Ok(Exit::Passed)
+    Ok(ExitStatus::Passed)
 }
 
 fn shown(at: i64, text: &str) -> String {

@@ -14,7 +14,7 @@ mod value;
 mod values;
 mod watch;
 
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use crate::rig_address::RigAddress;
 use clap::{Args, Subcommand};
@@ -46,7 +46,7 @@ pub enum CtlCommand {
     /// Describe the rig: controller, board, program, tasks, functions, buses, devices.
     Describe(status::StatusArgs),
     /// List what can be read: terminals, lines of the board, variables.
-    List(list::ListArgs),
+    List(list::CtlListArgs),
     /// Print values now.
     Read(values::ReadArgs),
     /// Write variables, places in memory or lines of the board.
@@ -59,7 +59,7 @@ pub enum CtlCommand {
     #[command(flatten)]
     Act(commands::ControllerCommand),
     /// Print signals as they change.
-    Watch(watch::WatchArgs),
+    Watch(watch::CtlWatchArgs),
     /// Wait until signals have the given values; exit with 1 if they do not in time.
     Await(await_values::AwaitArgs),
     /// Print the log.
@@ -88,7 +88,7 @@ pub enum CtlError {
     /// Something between client and rig.
     Client(ClientError),
     /// It ends so, and why was printed.
-    Exit(Exit),
+    Exit(ExitStatus),
 }
 
 impl From<ClientError> for CtlError {
@@ -98,7 +98,7 @@ impl From<ClientError> for CtlError {
 }
 
 /// Does what the command line asks.
-pub fn run(args: &CtlArgs) -> Exit {
+pub fn run(args: &CtlArgs) -> ExitStatus {
     match try_run(args) {
         Ok(exit) | Err(CtlError::Exit(exit)) => exit,
         Err(CtlError::Client(error)) => {
@@ -109,21 +109,21 @@ pub fn run(args: &CtlArgs) -> Exit {
 }
 
 /// Whose fault it is: what was asked for, or the rig.
-pub fn exit_of(error: &ClientError) -> Exit {
+pub fn exit_of(error: &ClientError) -> ExitStatus {
     match error {
         ClientError::Refused(_)
         | ClientError::NoRig(_)
         | ClientError::SeveralRigs(_)
         | ClientError::Unreachable(..)
         | ClientError::NotARig(_)
-        | ClientError::OtherProtocol(..) => Exit::UserFiles,
+        | ClientError::OtherProtocol(..) => ExitStatus::UserFiles,
         ClientError::Lost(_) | ClientError::Ended(_) | ClientError::Silent(..) | ClientError::Garbled(_) => {
-            Exit::Error
+            ExitStatus::Error
         }
     }
 }
 
-fn try_run(args: &CtlArgs) -> Result<Exit, CtlError> {
+fn try_run(args: &CtlArgs) -> Result<ExitStatus, CtlError> {
     match &args.command {
         CtlCommand::Rigs => return Ok(list::rigs()),
         CtlCommand::Raw(raw) => return raw::run(&args.address, raw),
@@ -133,7 +133,7 @@ fn try_run(args: &CtlArgs) -> Result<Exit, CtlError> {
     let client = &mut client;
     match &args.command {
         // Done above, without a client that says hello by itself.
-        CtlCommand::Rigs | CtlCommand::Raw(_) => Ok(Exit::Passed),
+        CtlCommand::Rigs | CtlCommand::Raw(_) => Ok(ExitStatus::Passed),
         CtlCommand::State => status::state(client),
         CtlCommand::Status(args) => status::status(client, args),
         CtlCommand::Describe(args) => status::describe(client, args),

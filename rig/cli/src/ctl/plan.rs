@@ -2,10 +2,12 @@
 
 use super::show::{print_text, seconds};
 use super::{CtlError, commands, interrupt};
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use clap::Args;
-use control::{Client, Done, Event, Measured, Operation, PlanEvent, Plans, Subscribed, Topic};
+use control::{
+    ControlClient, Done, Measured, PlanEvent, Plans, RequestOperation, Subscribed, SubscriptionEvent, Topic,
+};
 use record::Verdict;
 use serde_json::json;
 use signal::Span;
@@ -26,10 +28,10 @@ pub struct PlansArgs {
 }
 
 /// Lists cases.
-pub fn list(client: &mut Client, args: &PlansArgs) -> Result<Exit, CtlError> {
-    let known: Plans = client.ask_within(Operation::Plans { path: args.path.clone() }, PATIENCE)?;
+pub fn list(client: &mut ControlClient, args: &PlansArgs) -> Result<ExitStatus, CtlError> {
+    let known: Plans = client.ask_within(RequestOperation::Plans { path: args.path.clone() }, PATIENCE)?;
     known.plans.iter().for_each(|name| output::print(&format!("{name}\n")));
-    Ok(if known.plans.is_empty() { Exit::UserFiles } else { Exit::Passed })
+    Ok(if known.plans.is_empty() { ExitStatus::UserFiles } else { ExitStatus::Passed })
 }
 
 /// `rig ctl plan`.
@@ -46,49 +48,51 @@ pub struct PlanArgs {
 }
 
 /// Runs a plan and prints its progress; an interrupt ends it.
-pub fn run(client: &mut Client, args: &PlanArgs) -> Result<Exit, CtlError> {
+pub fn run(client: &mut ControlClient, args: &PlanArgs) -> Result<ExitStatus, CtlError> {
     commands::confirm(client, args.yes, &format!("run {}", args.name))?;
     let interrupted = interrupt::catch()?;
-    client.ask::<Subscribed>(Operation::Subscribe { topic: Topic::Plan })?;
-    client.ask_within::<Done>(Operation::Plan { name: args.name.clone() }, PATIENCE)?;
+    client.ask::<Subscribed>(RequestOperation::Subscribe { topic: Topic::Plan })?;
+    client.ask_within::<Done>(RequestOperation::Plan { name: args.name.clone() }, PATIENCE)?;
     let mut aborted = false;
-    let mut text_of_plan = PlanText::default();
+    let mut text_of_plan = RunningPlanText::default();
     loop {
         if interrupted() && !aborted {
             aborted = true;
             output::note("interrupted: the plan ends, outputs become safe");
-            client.ask_within::<Done>(Operation::Abort, PATIENCE)?;
+            client.ask_within::<Done>(RequestOperation::Abort, PATIENCE)?;
         }
         match client.next(LOOK_UP)? {
-            Some(Event::Plan { event, .. }) => {
+            Some(SubscriptionEvent::Plan { event, .. }) => {
                 print_text(&if args.json {
                     format!("{}\n", json!(event))
                 } else {
                     text_of_plan.shown(&event)
                 });
                 if let PlanEvent::Over { verdict, .. } = event {
-                    return Ok(if aborted { Exit::Interrupted } else { exit_of(&verdict) });
+                    return Ok(if aborted { ExitStatus::Interrupted } else { exit_of(&verdict) });
                 }
             }
-            Some(Event::Missed { lines, .. }) => output::note(&format!("{lines} lines were left out")),
+            Some(SubscriptionEvent::Missed { lines, .. }) => {
+                output::note(&format!("{lines} lines were left out"))
+            }
             _ => {}
         }
     }
 }
 
 /// The exit of a verdict, as `rig test` has it; a word that is not known is no pass.
-fn exit_of(verdict: &str) -> Exit {
+fn exit_of(verdict: &str) -> ExitStatus {
     let all = [Verdict::None, Verdict::Pass, Verdict::Inconclusive, Verdict::Fail, Verdict::Error];
-    all.into_iter().find(|known| known.word() == verdict).map_or(Exit::Error, Exit::of)
+    all.into_iter().find(|known| known.word() == verdict).map_or(ExitStatus::Error, ExitStatus::of)
 }
 
 /// What is known of the case that runs.
 #[derive(Debug, Default)]
-struct PlanText {
+struct RunningPlanText {
     steps: Vec<(String, String)>,
 }
 
-impl PlanText {
+impl RunningPlanText {
     /// An event, for a person.
     fn shown(&mut self, event: &PlanEvent) -> String {
         match event {
@@ -154,13 +158,20 @@ mod tests {
         let exits = ["pass", "fail", "inconclusive", "error", "none", "a younger word"].map(exit_of);
         assert_eq!(
             exits,
-            [Exit::Passed, Exit::Failed, Exit::Inconclusive, Exit::Error, Exit::Passed, Exit::Error]
+            [
+                ExitStatus::Passed,
+                ExitStatus::Failed,
+                ExitStatus::Inconclusive,
+                ExitStatus::Error,
+                ExitStatus::Passed,
+                ExitStatus::Error
+            ]
         );
     }
 
     #[test]
     fn the_course_of_a_case_is_told() {
-        let mut text_of_plan = PlanText::default();
+        let mut text_of_plan = RunningPlanText::default();
         let case = PlanEvent::Case {
             name: "lamp".to_owned(),
             place: (1, 2),

@@ -2,7 +2,7 @@
 
 use super::show::print_text;
 use super::{CtlError, exit_of};
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use crate::rig_address::RigAddress;
 use clap::Args;
@@ -22,7 +22,7 @@ pub struct RawArgs {
 }
 
 /// Sends lines and prints lines. The rig answers all that it was asked and closes when nothing more comes.
-pub fn run(address: &RigAddress, args: &RawArgs) -> Result<Exit, CtlError> {
+pub fn run(address: &RigAddress, args: &RawArgs) -> Result<ExitStatus, CtlError> {
     let rig = address.open()?;
     let socket = rig.socket().to_owned();
     let unreachable = |error: std::io::Error| ClientError::Unreachable(socket.clone(), error.kind());
@@ -53,7 +53,7 @@ fn send(mut stream: UnixStream, follow: bool) {
 }
 
 /// Prints what the rig says until it closes.
-fn receive(stream: UnixStream, socket: &Path) -> Result<Exit, CtlError> {
+fn receive(stream: UnixStream, socket: &Path) -> Result<ExitStatus, CtlError> {
     let mut refused = false;
     for line in BufReader::new(stream).split(b'\n') {
         let line = match line {
@@ -72,5 +72,5 @@ fn receive(stream: UnixStream, socket: &Path) -> Result<Exit, CtlError> {
             break;
         }
     }
-    Ok(if refused { Exit::UserFiles } else { Exit::Passed })
+    Ok(if refused { ExitStatus::UserFiles } else { ExitStatus::Passed })
 }

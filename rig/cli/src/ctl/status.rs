@@ -2,10 +2,13 @@
 
 use super::CtlError;
 use super::show::{self, columns, percent, seconds, span};
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use clap::Args;
-use control::{Client, Clock, Description, Led, Operation, Status, Subject, TaskInfo, TaskStatus};
+use control::{
+    ControlClient, Description, LedStatus, RequestOperation, Status, SubjectKind, TaskInfo, TaskStatus,
+    TimeSource,
+};
 
 /// `rig ctl status` and `rig ctl describe`.
 #[derive(Debug, Args)]
@@ -16,25 +19,25 @@ pub struct StatusArgs {
 }
 
 /// Prints the state.
-pub fn state(client: &mut Client) -> Result<Exit, CtlError> {
-    let status: Status = client.ask(Operation::Status)?;
+pub fn state(client: &mut ControlClient) -> Result<ExitStatus, CtlError> {
+    let status: Status = client.ask(RequestOperation::Status)?;
     output::print(&format!("{}\n", status.state));
-    Ok(Exit::Passed)
+    Ok(ExitStatus::Passed)
 }
 
 /// Prints how the rig is.
-pub fn status(client: &mut Client, args: &StatusArgs) -> Result<Exit, CtlError> {
+pub fn status(client: &mut ControlClient, args: &StatusArgs) -> Result<ExitStatus, CtlError> {
     if args.json {
-        show::json(&client.ask(Operation::Status)?);
-        return Ok(Exit::Passed);
+        show::json(&client.ask(RequestOperation::Status)?);
+        return Ok(ExitStatus::Passed);
     }
-    let described: Description = client.ask(Operation::Describe)?;
-    let status: Status = client.ask(Operation::Status)?;
+    let described: Description = client.ask(RequestOperation::Describe)?;
+    let status: Status = client.ask(RequestOperation::Status)?;
     output::print(&columns(&facts(&described, &status)));
     if !described.tasks.is_empty() {
         output::print(&format!("\n{}", columns(&tasks(&described.tasks, &status.tasks))));
     }
-    Ok(Exit::Passed)
+    Ok(ExitStatus::Passed)
 }
 
 /// Facts, a row each.
@@ -74,7 +77,7 @@ fn facts(described: &Description, status: &Status) -> Vec<Vec<String>> {
         };
         row("bus", format!("{}: {}, {got} received, {sent} sent{bad}", known.name, bus.state));
     }
-    if described.clock == Clock::Real {
+    if described.clock == TimeSource::Real {
         row(
             "late",
             format!("{} at worst, outputs {}", span(status.rig.late_max), span(status.rig.late_outputs)),
@@ -84,14 +87,14 @@ fn facts(described: &Description, status: &Status) -> Vec<Vec<String>> {
     rows
 }
 
-fn led(led: &Led) -> String {
+fn led(led: &LedStatus) -> String {
     format!("{} {}", led.name, led.pattern)
 }
 
-const fn clock(clock: Clock) -> &'static str {
+const fn clock(clock: TimeSource) -> &'static str {
     match clock {
-        Clock::Real => "on the host's clock",
-        Clock::Stepped => "stepped by its clients",
+        TimeSource::Real => "on the host's clock",
+        TimeSource::Stepped => "stepped by its clients",
     }
 }
 
@@ -117,19 +120,19 @@ fn tasks(known: &[TaskInfo], now: &[TaskStatus]) -> Vec<Vec<String>> {
 }
 
 /// Prints what the rig is.
-pub fn describe(client: &mut Client, args: &StatusArgs) -> Result<Exit, CtlError> {
+pub fn describe(client: &mut ControlClient, args: &StatusArgs) -> Result<ExitStatus, CtlError> {
     if args.json {
-        show::json(&client.ask(Operation::Describe)?);
-        return Ok(Exit::Passed);
+        show::json(&client.ask(RequestOperation::Describe)?);
+        return Ok(ExitStatus::Passed);
     }
     let socket = client.socket().display().to_string();
     let version = client.greeting().version.clone();
-    let it: Description = client.ask(Operation::Describe)?;
+    let it: Description = client.ask(RequestOperation::Describe)?;
     let mut rows = Vec::new();
     let mut row = |name: &str, text: String| rows.push(vec![name.to_owned(), text]);
     row("rig", format!("{version} at {socket}"));
     row("board", it.board.clone());
-    let real = if it.subject == Subject::External { ", a real one on the wires" } else { "" };
+    let real = if it.subject == SubjectKind::External { ", a real one on the wires" } else { "" };
     row("controller", format!("{}, profile {}{real}", it.reference, it.profile));
     row("clock", clock(it.clock).to_owned());
     row("program", it.program.join(", "));
@@ -158,5 +161,5 @@ pub fn describe(client: &mut Client, args: &StatusArgs) -> Result<Exit, CtlError
     }
     row("points", format!("{}, and {} signals: `rig ctl list` has them", it.points.len(), it.signals.len()));
     output::print(&columns(&rows));
-    Ok(Exit::Passed)
+    Ok(ExitStatus::Passed)
 }

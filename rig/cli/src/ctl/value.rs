@@ -1,22 +1,22 @@
 //! Values as they are typed: `TRUE`, `42`, `16#FF`, `T#500ms`, `500 mV`, `RUNNING`. They are those of plans.
 
 use super::CtlError;
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
-use control::{Client, Description, Operation, SignalKind, WireValue};
+use control::{ControlClient, Description, RequestOperation, SignalKind, WireValue};
 use document::Diagnostic;
 use plans::Literal;
-use signal::{Kind, SignalInfo, Value};
+use signal::{SignalInfo, Value, ValueKind};
 
 /// Why words give no value.
 pub fn refuse(words: &str, why: &str, help: &str) -> CtlError {
     let found = Diagnostic::error("R0649", format!("`{words}` is not a valid value: {why}"));
     output::findings(&[found.help(help)], &[]);
-    CtlError::Exit(Exit::UserFiles)
+    CtlError::Exit(ExitStatus::UserFiles)
 }
 
 /// Reads `NAME=VALUE`.
-pub fn pair(client: &mut Client, words: &str) -> Result<(String, WireValue), CtlError> {
+pub fn pair(client: &mut ControlClient, words: &str) -> Result<(String, WireValue), CtlError> {
     match words.split_once('=') {
         Some((name, text)) if !name.trim().is_empty() => {
             Ok((name.trim().to_owned(), of(client, name.trim(), words, text)?))
@@ -26,7 +26,7 @@ pub fn pair(client: &mut Client, words: &str) -> Result<(String, WireValue), Ctl
 }
 
 /// Reads the value of a name. The rig is asked for what it means only where units and labels matter.
-pub fn of(client: &mut Client, name: &str, words: &str, text: &str) -> Result<WireValue, CtlError> {
+pub fn of(client: &mut ControlClient, name: &str, words: &str, text: &str) -> Result<WireValue, CtlError> {
     let help = "write a number, TRUE, 16#0010, T#500ms, a quantity such as '24 V', the name of a state, or Z";
     let literal = Literal::parse(text).map_err(|why| refuse(words, &why.to_string(), help))?;
     if let Some(value) = literal.value() {
@@ -35,7 +35,7 @@ pub fn of(client: &mut Client, name: &str, words: &str, text: &str) -> Result<Wi
     if matches!(&literal, Literal::Label(label) if label.eq_ignore_ascii_case("z")) {
         return Ok(WireValue(Value::HighZ));
     }
-    let described: Description = client.ask(Operation::Describe)?;
+    let described: Description = client.ask(RequestOperation::Describe)?;
     let info = info(&described, name);
     plans::value_of(&literal, &info).map(WireValue).map_err(|why| refuse(words, &why, help))
 }
@@ -43,12 +43,12 @@ pub fn of(client: &mut Client, name: &str, words: &str, text: &str) -> Result<Wi
 /// What is known of a signal by its name, in any case of letters.
 fn info(described: &Description, name: &str) -> SignalInfo {
     let known = described.signal(name);
-    let line = |channel: &&control::Channel| channel.name.eq_ignore_ascii_case(name);
+    let line = |channel: &&control::ChannelInfo| channel.name.eq_ignore_ascii_case(name);
     let channel = described.points.iter().filter_map(|point| point.channel.as_ref()).find(line);
     let kind = match (known, channel) {
         (Some(signal), _) => kind(signal.kind),
-        (None, Some(_)) => Kind::Real,
-        (None, None) => Kind::Int,
+        (None, Some(_)) => ValueKind::Real,
+        (None, None) => ValueKind::Int,
     };
     let mut info = SignalInfo::exact(name, kind);
     if let Some(signal) = known {
@@ -60,12 +60,12 @@ fn info(described: &Description, name: &str) -> SignalInfo {
     info
 }
 
-const fn kind(kind: SignalKind) -> Kind {
+const fn kind(kind: SignalKind) -> ValueKind {
     match kind {
-        SignalKind::Bool => Kind::Bool,
-        SignalKind::Int => Kind::Int,
-        SignalKind::Word => Kind::Word,
-        SignalKind::Real => Kind::Real,
-        SignalKind::State => Kind::State,
+        SignalKind::Bool => ValueKind::Bool,
+        SignalKind::Int => ValueKind::Int,
+        SignalKind::Word => ValueKind::Word,
+        SignalKind::Real => ValueKind::Real,
+        SignalKind::State => ValueKind::State,
     }
 }

@@ -2,10 +2,12 @@
 
 use super::show::{self, columns};
 use super::{CtlError, interrupt, value};
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use clap::Args;
-use control::{Client, Description, Done, Forces, Operation, Signal, SignalKind, Values, WireValue};
+use control::{
+    ControlClient, Description, Done, Forces, RequestOperation, Signal, SignalKind, SignalValues, WireValue,
+};
 use serde_json::{Map, json};
 use signal::Span;
 use std::time::{Duration, Instant};
@@ -28,8 +30,8 @@ pub struct ReadArgs {
 }
 
 /// Prints values.
-pub fn read(client: &mut Client, args: &ReadArgs) -> Result<Exit, CtlError> {
-    let read: Values = client.ask(Operation::Read { names: args.names.clone() })?;
+pub fn read(client: &mut ControlClient, args: &ReadArgs) -> Result<ExitStatus, CtlError> {
+    let read: SignalValues = client.ask(RequestOperation::Read { names: args.names.clone() })?;
     let named = args.names.iter().zip(&read.values);
     if args.json {
         let map: Map<String, serde_json::Value> =
@@ -40,11 +42,11 @@ pub fn read(client: &mut Client, args: &ReadArgs) -> Result<Exit, CtlError> {
             output::print(&format!("{}\n", show::field(*value)));
         }
     } else {
-        let it: Description = client.ask(Operation::Describe)?;
+        let it: Description = client.ask(RequestOperation::Describe)?;
         let row = |(name, value): (&String, &WireValue)| vec![name.clone(), shown(&it, name, *value)];
         output::print(&columns(&named.map(row).collect::<Vec<_>>()));
     }
-    Ok(Exit::Passed)
+    Ok(ExitStatus::Passed)
 }
 
 /// The value with what the description knows of its signal.
@@ -75,15 +77,15 @@ pub struct WriteArgs {
 }
 
 /// Writes values, one after the other.
-pub fn write(client: &mut Client, args: &WriteArgs) -> Result<Exit, CtlError> {
+pub fn write(client: &mut ControlClient, args: &WriteArgs) -> Result<ExitStatus, CtlError> {
     for (name, value) in pairs(client, &args.pairs)? {
-        client.ask::<Done>(Operation::Write { name, value })?;
+        client.ask::<Done>(RequestOperation::Write { name, value })?;
     }
-    Ok(Exit::Passed)
+    Ok(ExitStatus::Passed)
 }
 
 /// All pairs: what cannot be read is refused before anything moves.
-fn pairs(client: &mut Client, words: &[String]) -> Result<Vec<(String, WireValue)>, CtlError> {
+fn pairs(client: &mut ControlClient, words: &[String]) -> Result<Vec<(String, WireValue)>, CtlError> {
     words.iter().map(|words| value::pair(client, words)).collect()
 }
 
@@ -100,19 +102,19 @@ pub struct ForceArgs {
 }
 
 /// Forces inputs and outputs.
-pub fn force(client: &mut Client, args: &ForceArgs) -> Result<Exit, CtlError> {
+pub fn force(client: &mut ControlClient, args: &ForceArgs) -> Result<ExitStatus, CtlError> {
     let pairs = pairs(client, &args.pairs)?;
     let Some(lasts) = args.lasts else {
         for (name, value) in pairs {
-            client.ask::<Done>(Operation::Force { name, value })?;
+            client.ask::<Done>(RequestOperation::Force { name, value })?;
         }
         // Else the forces would be those of a client that is gone.
-        client.ask::<Done>(Operation::Leave { forces: Forces::Keep })?;
-        return Ok(Exit::Passed);
+        client.ask::<Done>(RequestOperation::Leave { forces: Forces::Keep })?;
+        return Ok(ExitStatus::Passed);
     };
     let interrupted = interrupt::catch()?;
     for (name, value) in pairs {
-        client.ask::<Done>(Operation::Force { name, value })?;
+        client.ask::<Done>(RequestOperation::Force { name, value })?;
     }
     let until = Instant::now() + Duration::from_nanos(lasts.as_nanos().unsigned_abs());
     while !interrupted() && Instant::now() < until {
@@ -120,8 +122,8 @@ pub fn force(client: &mut Client, args: &ForceArgs) -> Result<Exit, CtlError> {
         // A rig that ends has nothing forced any more, and is an error all the same.
         client.next(left)?;
     }
-    client.ask::<Done>(Operation::Leave { forces: Forces::Release })?;
-    Ok(if interrupted() { Exit::Interrupted } else { Exit::Passed })
+    client.ask::<Done>(RequestOperation::Leave { forces: Forces::Release })?;
+    Ok(if interrupted() { ExitStatus::Interrupted } else { ExitStatus::Passed })
 }
 
 /// `rig ctl release`.
@@ -136,12 +138,12 @@ pub struct ReleaseArgs {
 }
 
 /// Ends forces.
-pub fn release(client: &mut Client, args: &ReleaseArgs) -> Result<Exit, CtlError> {
+pub fn release(client: &mut ControlClient, args: &ReleaseArgs) -> Result<ExitStatus, CtlError> {
     if args.all {
-        client.ask::<Done>(Operation::ReleaseAll)?;
+        client.ask::<Done>(RequestOperation::ReleaseAll)?;
     }
     for name in &args.names {
-        client.ask::<Done>(Operation::Release { name: name.clone() })?;
+        client.ask::<Done>(RequestOperation::Release { name: name.clone() })?;
     }
-    Ok(Exit::Passed)
+    Ok(ExitStatus::Passed)
 }

@@ -3,10 +3,12 @@
 use super::CtlError;
 use super::commands;
 use super::show::{self, field, print_text, quoted, seconds};
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use clap::Args;
-use control::{Change, Client, Event, Operation, Signal, Subscribed, Topic, WireValue};
+use control::{
+    ControlClient, RequestOperation, Signal, SignalChange, Subscribed, SubscriptionEvent, Topic, WireValue,
+};
 use serde_json::json;
 use signal::Span;
 use std::time::{Duration, Instant};
@@ -16,7 +18,7 @@ const WAIT: Duration = Duration::from_secs(1);
 
 /// `rig ctl watch`.
 #[derive(Debug, Args)]
-pub struct WatchArgs {
+pub struct CtlWatchArgs {
     /// Variables, addresses, terminals, lines of the board; `state` is the controller's.
     #[arg(value_name = "NAME", required = true)]
     names: Vec<String>,
@@ -54,10 +56,10 @@ pub fn host(span: Span) -> Duration {
 }
 
 /// Prints the present values, then changes.
-pub fn run(client: &mut Client, args: &WatchArgs) -> Result<Exit, CtlError> {
+pub fn run(client: &mut ControlClient, args: &CtlWatchArgs) -> Result<ExitStatus, CtlError> {
     let topic =
         Topic::Signals { names: args.names.clone(), every_ms: milliseconds(args.every), all: args.all };
-    let begun: Subscribed = client.ask(Operation::Subscribe { topic })?;
+    let begun: Subscribed = client.ask(RequestOperation::Subscribe { topic })?;
     let mut view = WatchOutput {
         form: WatchFormat::of(args),
         signals: begun.signals,
@@ -69,7 +71,7 @@ pub fn run(client: &mut Client, args: &WatchArgs) -> Result<Exit, CtlError> {
     let mut open = view.form != WatchFormat::Csv || print_text("earliest_ns,latest_ns,signal,value\n");
     open &= view.changes(&begun.values, false);
     if !open {
-        return Ok(Exit::Passed);
+        return Ok(ExitStatus::Passed);
     }
     if let Some(by) = args.advance {
         commands::advance_by(client, by, args.every.max(Span::from_millis(100)), |client| {
@@ -98,7 +100,7 @@ pub fn run(client: &mut Client, args: &WatchArgs) -> Result<Exit, CtlError> {
     if missed > 0 {
         output::note(&format!("{missed} changes were missed: they came faster than they could be sent"));
     }
-    Ok(Exit::Passed)
+    Ok(ExitStatus::Passed)
 }
 
 /// How changes are printed.
@@ -110,7 +112,7 @@ enum WatchFormat {
 }
 
 impl WatchFormat {
-    const fn of(args: &WatchArgs) -> WatchFormat {
+    const fn of(args: &CtlWatchArgs) -> WatchFormat {
         match (args.csv, args.json) {
             (true, _) => WatchFormat::Csv,
             (_, true) => WatchFormat::Json,
@@ -130,9 +132,9 @@ struct WatchOutput {
 
 impl WatchOutput {
     /// Prints what an event brings; `false` where nothing more is wanted.
-    fn event(&mut self, event: &Event) -> bool {
+    fn event(&mut self, event: &SubscriptionEvent) -> bool {
         match event {
-            Event::Signals { changes, missed, .. } => {
+            SubscriptionEvent::Signals { changes, missed, .. } => {
                 self.missed += missed;
                 self.changes(changes, true)
             }
@@ -140,7 +142,7 @@ impl WatchOutput {
         }
     }
 
-    fn changes(&mut self, changes: &[Change], counted: bool) -> bool {
+    fn changes(&mut self, changes: &[SignalChange], counted: bool) -> bool {
         let mut text = String::new();
         for change in changes {
             if counted && self.left == Some(0) {
@@ -159,7 +161,7 @@ impl WatchOutput {
 fn line(
     form: WatchFormat,
     signal: &Signal,
-    Change(_, earliest, latest, value): &Change,
+    SignalChange(_, earliest, latest, value): &SignalChange,
     wide: usize,
 ) -> String {
     let WireValue(now) = *value;
@@ -193,7 +195,7 @@ mod tests {
             labels: Vec::new(),
             writable: false,
         };
-        let change = Change(3, 1_000, 2_000_000_000, WireValue(Value::Real(1.5)));
+        let change = SignalChange(3, 1_000, 2_000_000_000, WireValue(Value::Real(1.5)));
         assert_eq!(
             line(WatchFormat::Text, &signal, &change, 12),
             "      2.000000 s  tank, left    1.5 bar\n"

@@ -1,8 +1,8 @@
 //! What frames mean by a DBC file, for the dashboard.
 
-use control::{Fault, FrameSeen, Value};
+use control::{FrameSeen, RequestFault, Value};
 use dash::frame_decoder::{DecodedFrame, FrameDecoder};
-use plans::frames::can::{Database, FieldSpec, MessageSpec};
+use plans::frames::can::{DbcDatabase, FieldSpec, MessageSpec};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -20,8 +20,8 @@ struct Messages(BTreeMap<(bool, u32), Arc<MessageSpec>>);
 ///
 /// # Errors
 /// A file that cannot be read, or is none.
-pub fn read(path: &str) -> Result<Box<dyn FrameDecoder>, Fault> {
-    let failed = |what: &dyn std::fmt::Display| Fault {
+pub fn read(path: &str) -> Result<Box<dyn FrameDecoder>, RequestFault> {
+    let failed = |what: &dyn std::fmt::Display| RequestFault {
         code: NOT_READ.to_owned(),
         message: format!("`{path}` cannot be read: {what}"),
         help: "name a DBC file".to_owned(),
@@ -33,7 +33,7 @@ pub fn read(path: &str) -> Result<Box<dyn FrameDecoder>, Fault> {
     let bytes = std::fs::read(path).map_err(|error| failed(&error))?;
     // Comments of older files are in other encodings; names are not.
     let text = String::from_utf8_lossy(&bytes);
-    let database = Database::parse(&text).map_err(|fault| failed(&fault))?;
+    let database = DbcDatabase::parse(&text).map_err(|fault| failed(&fault))?;
     let messages = database.messages.into_values();
     Ok(Box::new(Messages(messages.map(|message| ((message.extended, message.id), message)).collect())))
 }

@@ -1,6 +1,6 @@
 //! A rig that is started for the dashboard: a conveyor on a simulated board.
 
-use control::Client;
+use control::ControlClient;
 use document::Diagnostic;
 use std::fs::{self, DirBuilder, File};
 use std::os::unix::fs::DirBuilderExt;
@@ -49,7 +49,7 @@ impl Demonstration {
         own.spawn().map_err(|error| not_started(&error.to_string()))?;
         let until = Instant::now() + PATIENCE;
         loop {
-            if Client::connect(&own.socket, "rig dash").is_ok() {
+            if ControlClient::connect(&own.socket, "rig dash").is_ok() {
                 return Ok(own);
             }
             let ended = own.rig.as_mut().is_none_or(|rig| !matches!(rig.try_wait(), Ok(None)));

@@ -5,7 +5,7 @@ mod demonstration;
 mod trend_files;
 
 use crate::ctl;
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use crate::rig_address::RigAddress;
 use clap::Args;
@@ -43,15 +43,15 @@ pub struct DashArgs {
 }
 
 /// Shows the dashboard until somebody leaves.
-pub fn run(args: &DashArgs) -> Exit {
+pub fn run(args: &DashArgs) -> ExitStatus {
     if !std::io::stdin().is_terminal() || !std::io::stdout().is_terminal() {
         let found = Diagnostic::error("R0660", "the dashboard needs a terminal for its keys and its screen");
         output::findings(&[found.help("start it without pipes; scripts use `rig ctl`")], &[]);
-        return Exit::UserFiles;
+        return ExitStatus::UserFiles;
     }
     if let Err(error) = ctrlc::set_handler(|| END.store(true, Ordering::Relaxed)) {
         output::error(&format!("interrupts cannot be caught: {error}"));
-        return Exit::Error;
+        return ExitStatus::Error;
     }
     let wanted = args.address.board.as_ref().is_some_and(|board| board.as_os_str() == DEMONSTRATION);
     if !wanted {
@@ -61,13 +61,13 @@ pub fn run(args: &DashArgs) -> Exit {
         Ok(own) => show(args, own.socket().to_owned(), true),
         Err(found) => {
             output::findings(&[found], &[]);
-            Exit::Error
+            ExitStatus::Error
         }
     }
 }
 
 /// A rig that runs. One that is not there is reported before the screen is taken.
-fn attach(args: &DashArgs) -> Exit {
+fn attach(args: &DashArgs) -> ExitStatus {
     match args.address.connect("rig dash") {
         Ok(client) => show(args, client.socket().to_owned(), false),
         Err(error) => {
@@ -77,7 +77,7 @@ fn attach(args: &DashArgs) -> Exit {
     }
 }
 
-fn show(args: &DashArgs, socket: PathBuf, owns_rig: bool) -> Exit {
+fn show(args: &DashArgs, socket: PathBuf, owns_rig: bool) -> ExitStatus {
     let mut features = TerminalFeatures::of_environment(|name| std::env::var(name).ok());
     features.utf8 &= !args.ascii;
     features.color = output::color_on_screen(features.color);
@@ -92,11 +92,11 @@ fn show(args: &DashArgs, socket: PathBuf, owns_rig: bool) -> Exit {
     };
     let shown = dash::run(settings);
     match shown {
-        _ if END.load(Ordering::Relaxed) => Exit::Interrupted,
-        Ok(()) => Exit::Passed,
+        _ if END.load(Ordering::Relaxed) => ExitStatus::Interrupted,
+        Ok(()) => ExitStatus::Passed,
         Err(error) => {
             output::error(&format!("the terminal is lost: {error}"));
-            Exit::Error
+            ExitStatus::Error
         }
     }
 }

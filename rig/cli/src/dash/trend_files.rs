@@ -2,11 +2,11 @@
 //! reads those of other instruments.
 
 use capture::{Capture, CaptureFormat, ChannelType};
-use control::{Fault, SignalKind, Value, WireValue};
+use control::{RequestFault, SignalKind, Value, WireValue};
 use dash::frame_decoder::FrameDecoder;
 use dash::recording::{RecordedChange, RecordedSignal, TrendFiles, TrendRecording};
 use serde_json::json;
-use signal::{Cause, Event, Kind, SignalId, SignalInfo, Time, Trace, When};
+use signal::{Cause, Event, SignalId, SignalInfo, Time, Trace, ValueKind, When};
 use std::fs::File;
 use std::io::{BufWriter, Read, Write};
 
@@ -29,7 +29,7 @@ impl TrendFiles for HostTrendFiles {
         &["vcd", "csv"]
     }
 
-    fn save(&self, path: &str, recording: &TrendRecording) -> Result<(), Fault> {
+    fn save(&self, path: &str, recording: &TrendRecording) -> Result<(), RequestFault> {
         let ending = path.rsplit_once('.').map_or("", |(_, ending)| ending).to_ascii_lowercase();
         if !self.extensions().contains(&ending.as_str()) {
             return Err(fault(
@@ -53,7 +53,7 @@ impl TrendFiles for HostTrendFiles {
         }
     }
 
-    fn load(&self, path: &str) -> Result<TrendRecording, Fault> {
+    fn load(&self, path: &str) -> Result<TrendRecording, RequestFault> {
         let failed =
             |what: String, help: &str| fault(NOT_READ, format!("`{path}` cannot be read: {what}"), help);
         let other = "name a value change dump, a table with a column of instants, or a sigrok session";
@@ -71,22 +71,22 @@ impl TrendFiles for HostTrendFiles {
         Ok(recording_of(capture))
     }
 
-    fn decoder(&self, path: &str) -> Result<Box<dyn FrameDecoder>, Fault> {
+    fn decoder(&self, path: &str) -> Result<Box<dyn FrameDecoder>, RequestFault> {
         super::dbc_decoder::read(path)
     }
 }
 
-fn fault(code: &str, message: String, help: &str) -> Fault {
-    Fault { code: code.to_owned(), message, help: help.to_owned() }
+fn fault(code: &str, message: String, help: &str) -> RequestFault {
+    RequestFault { code: code.to_owned(), message, help: help.to_owned() }
 }
 
-fn kind_of(kind: SignalKind) -> Kind {
+fn kind_of(kind: SignalKind) -> ValueKind {
     match kind {
-        SignalKind::Bool => Kind::Bool,
-        SignalKind::Int => Kind::Int,
-        SignalKind::Word => Kind::Word,
-        SignalKind::Real => Kind::Real,
-        SignalKind::State => Kind::State,
+        SignalKind::Bool => ValueKind::Bool,
+        SignalKind::Int => ValueKind::Int,
+        SignalKind::Word => ValueKind::Word,
+        SignalKind::Real => ValueKind::Real,
+        SignalKind::State => ValueKind::State,
     }
 }
 
@@ -293,7 +293,7 @@ mod tests {
     fn what_cannot_be_written_or_read_says_why() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name).display().to_string();
-        let code = |result: Result<(), Fault>| result.unwrap_err().code;
+        let code = |result: Result<(), RequestFault>| result.unwrap_err().code;
         assert_eq!(code(HostTrendFiles.save(&path("trend.png"), &recording())), "R0680");
         assert_eq!(code(HostTrendFiles.save(&path("trend"), &recording())), "R0680");
         HostTrendFiles.save(&path("trend.csv"), &recording()).unwrap();

@@ -1,9 +1,9 @@
 //! The devices that a board file uses, and what their state means to it.
 
-use super::check::{Check, CheckState};
+use super::check::{CheckState, DoctorCheck};
 use super::devices::{GROUP, grant};
 use super::settings::{self, TRANSFERS};
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use drivers::adc::{AdcKind, AdcsSpec};
 use drivers::can::CanSpec;
@@ -13,7 +13,7 @@ use drivers::generator::{GeneratorKind, GeneratorsSpec};
 use drivers::gpio::GpioSpec;
 use drivers::real::DeviceSpec;
 use drivers::serial::SerialLinesSpec;
-use host::Machine;
+use host::HostMachine;
 use runtime::suite::{self, Disk};
 use std::path::Path;
 
@@ -26,7 +26,7 @@ pub struct BoardDevices {
     /// The names of the checks of its devices, but for serial ports.
     names: Vec<&'static str>,
     /// What was measured of how fast it counts.
-    counts: Option<Check>,
+    counts: Option<DoctorCheck>,
     /// The bytes that its longest stream of bits has at once; 0 without one.
     buffer: u32,
     /// Its serial ports: a machine has more of them than can be listed without opening them, so the board file is asked.
@@ -37,13 +37,13 @@ pub struct BoardDevices {
 ///
 /// # Errors
 /// Something is wrong with the file, which was said.
-pub fn devices(path: &Path) -> Result<BoardDevices, Exit> {
+pub fn devices(path: &Path) -> Result<BoardDevices, ExitStatus> {
     let mut sources = Vec::new();
     match suite::load_board(&Disk, &path.to_string_lossy(), &mut sources) {
         Ok((file, _)) => Ok(of(&file)),
         Err(found) => {
             output::findings(&found, &sources);
-            Err(Exit::UserFiles)
+            Err(ExitStatus::UserFiles)
         }
     }
 }
@@ -84,41 +84,41 @@ fn of(file: &BoardFile) -> BoardDevices {
 }
 
 /// The first of the board's ports that cannot be had makes it unfit.
-fn ports(machine: &Machine, ports: &[String]) -> Check {
+fn ports(machine: &HostMachine, ports: &[String]) -> DoctorCheck {
     if let Some(missing) = ports.iter().find(|port| !machine.has(port)) {
-        return Check::bad(GROUP, SERIAL, format!("{missing} is not there")).means("the board uses it");
+        return DoctorCheck::bad(GROUP, SERIAL, format!("{missing} is not there")).means("the board uses it");
     }
     match ports.iter().find(|port| !machine.may_use(port)) {
         Some(refused) => {
-            let check = Check::bad(GROUP, SERIAL, format!("{refused} is not to be used"));
+            let check = DoctorCheck::bad(GROUP, SERIAL, format!("{refused} is not to be used"));
             let (fix, then) = grant(machine, refused, "tty", "dialout");
             check.means("the board uses it").fix(fix).then(then)
         }
-        None => Check::good(GROUP, SERIAL, ports.join(", ")),
+        None => DoctorCheck::good(GROUP, SERIAL, ports.join(", ")),
     }
 }
 
 /// Adds what was measured of the board.
-pub fn measured(checks: &mut Vec<Check>, used: &mut BoardDevices, machine: &Machine) {
+pub fn measured(checks: &mut Vec<DoctorCheck>, used: &mut BoardDevices, machine: &HostMachine) {
     checks.extend(used.counts.take().filter(|_| machine.is_here()));
 }
 
 /// A stream that the driver does not take at once makes the board unfit.
-fn transfers(machine: &Machine, buffer: u32) -> Check {
+fn transfers(machine: &HostMachine, buffer: u32) -> DoctorCheck {
     match settings::buffer(machine) {
         Some(bytes) if bytes < buffer => {
-            Check::bad(GROUP, TRANSFERS, format!("of up to {bytes} bytes, and a stream of the board has {buffer}"))
+            DoctorCheck::bad(GROUP, TRANSFERS, format!("of up to {bytes} bytes, and a stream of the board has {buffer}"))
                 .means("the board cannot be opened")
                 .fix(format!("echo 'options spidev bufsiz={buffer}' | sudo tee /etc/modprobe.d/rig-spidev.conf"))
                 .then(format!("restart the machine; where the driver is built in: spidev.bufsiz={buffer} on the kernel's command line"))
         }
-        Some(bytes) => Check::good(GROUP, TRANSFERS, format!("of up to {bytes} bytes, enough for the board's streams")),
-        None => Check::open(GROUP, TRANSFERS, "the driver does not say how long they may be"),
+        Some(bytes) => DoctorCheck::good(GROUP, TRANSFERS, format!("of up to {bytes} bytes, enough for the board's streams")),
+        None => DoctorCheck::open(GROUP, TRANSFERS, "the driver does not say how long they may be"),
     }
 }
 
 /// Devices that the board does not use are no drawback, whatever they are; without one that it uses it cannot run.
-pub fn judge(checks: &mut [Check], used: &BoardDevices, machine: &Machine) {
+pub fn judge(checks: &mut [DoctorCheck], used: &BoardDevices, machine: &HostMachine) {
     for check in checks.iter_mut().filter(|check| check.group == GROUP) {
         if check.name == SERIAL && !used.ports.is_empty() {
             *check = ports(machine, &used.ports);
@@ -151,13 +151,13 @@ mod tests {
     #[test]
     fn only_what_the_board_uses_makes_a_machine_unfit() {
         let mut checks = [
-            Check::bad(GROUP, "GPIO", "none").fix("do something"),
-            Check::open(GROUP, "SPI", "none"),
-            Check::good(GROUP, "CAN", "can0"),
-            Check::poor("kernel", "kind", "PREEMPT"),
+            DoctorCheck::bad(GROUP, "GPIO", "none").fix("do something"),
+            DoctorCheck::open(GROUP, "SPI", "none"),
+            DoctorCheck::good(GROUP, "CAN", "can0"),
+            DoctorCheck::poor("kernel", "kind", "PREEMPT"),
         ];
         let used = BoardDevices { names: vec!["SPI", "CAN"], ..BoardDevices::default() };
-        judge(&mut checks, &used, &Machine::here());
+        judge(&mut checks, &used, &HostMachine::here());
         assert_eq!(
             checks.each_ref().map(|check| check.state),
             [CheckState::Open, CheckState::Bad, CheckState::Good, CheckState::Poor]
@@ -171,9 +171,9 @@ mod tests {
         let at = root.join("sys/module/spidev/parameters");
         std::fs::create_dir_all(&at).unwrap();
         std::fs::write(at.join("bufsiz"), "4096\n").unwrap();
-        let machine = Machine::below(&root);
+        let machine = HostMachine::below(&root);
         let with = |buffer: u32| {
-            let mut checks = [Check::good(GROUP, TRANSFERS, "of up to 4096 bytes")];
+            let mut checks = [DoctorCheck::good(GROUP, TRANSFERS, "of up to 4096 bytes")];
             judge(&mut checks, &BoardDevices { buffer, ..BoardDevices::default() }, &machine);
             let [check] = checks;
             (check.state, check.fix)

@@ -27,7 +27,7 @@ impl CheckState {
 
 /// One thing that was looked at.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Check {
+pub struct DoctorCheck {
     /// What it belongs to.
     pub group: &'static str,
     /// What it is.
@@ -44,48 +44,48 @@ pub struct Check {
     pub then: String,
 }
 
-impl Check {
-    fn new(state: CheckState, group: &'static str, name: &'static str, found: String) -> Check {
-        Check { group, name, state, found, means: "", fix: None, then: String::new() }
+impl DoctorCheck {
+    fn new(state: CheckState, group: &'static str, name: &'static str, found: String) -> DoctorCheck {
+        DoctorCheck { group, name, state, found, means: "", fix: None, then: String::new() }
     }
 
     /// A thing that is as it should be.
-    pub fn good(group: &'static str, name: &'static str, found: impl Into<String>) -> Check {
-        Check::new(CheckState::Good, group, name, found.into())
+    pub fn good(group: &'static str, name: &'static str, found: impl Into<String>) -> DoctorCheck {
+        DoctorCheck::new(CheckState::Good, group, name, found.into())
     }
 
     /// A thing that is not there and need not be, or that is not known.
-    pub fn open(group: &'static str, name: &'static str, found: impl Into<String>) -> Check {
-        Check::new(CheckState::Open, group, name, found.into())
+    pub fn open(group: &'static str, name: &'static str, found: impl Into<String>) -> DoctorCheck {
+        DoctorCheck::new(CheckState::Open, group, name, found.into())
     }
 
     /// A thing that works, with a drawback.
-    pub fn poor(group: &'static str, name: &'static str, found: impl Into<String>) -> Check {
-        Check::new(CheckState::Poor, group, name, found.into())
+    pub fn poor(group: &'static str, name: &'static str, found: impl Into<String>) -> DoctorCheck {
+        DoctorCheck::new(CheckState::Poor, group, name, found.into())
     }
 
     /// A thing without which real lines cannot be used, or not in time.
-    pub fn bad(group: &'static str, name: &'static str, found: impl Into<String>) -> Check {
-        Check::new(CheckState::Bad, group, name, found.into())
+    pub fn bad(group: &'static str, name: &'static str, found: impl Into<String>) -> DoctorCheck {
+        DoctorCheck::new(CheckState::Bad, group, name, found.into())
     }
 
     /// What follows from it.
     #[must_use]
-    pub fn means(mut self, means: &'static str) -> Check {
+    pub fn means(mut self, means: &'static str) -> DoctorCheck {
         self.means = means;
         self
     }
 
     /// The command that fixes it.
     #[must_use]
-    pub fn fix(mut self, line: impl Into<String>) -> Check {
+    pub fn fix(mut self, line: impl Into<String>) -> DoctorCheck {
         self.fix = Some(line.into());
         self
     }
 
     /// What has to be done after the fix, or in its place.
     #[must_use]
-    pub fn then(mut self, then: impl Into<String>) -> Check {
+    pub fn then(mut self, then: impl Into<String>) -> DoctorCheck {
         self.then = then.into();
         self
     }

@@ -1,8 +1,8 @@
 //! The devices of this machine that a board can be made of, and whether this user may use them.
 
-use super::check::{Check, CheckState};
+use super::check::{CheckState, DoctorCheck};
 use drivers::{BusState, can};
-use host::Machine;
+use host::HostMachine;
 
 /// The group of the devices.
 pub const GROUP: &str = "devices";
@@ -78,23 +78,23 @@ const KINDS: &[DeviceClass] = &[
 ];
 
 /// Every kind of device.
-pub fn checks(machine: &Machine) -> Vec<Check> {
-    let mut checks: Vec<Check> = KINDS.iter().map(|kind| devices(machine, kind)).collect();
+pub fn checks(machine: &HostMachine) -> Vec<DoctorCheck> {
+    let mut checks: Vec<DoctorCheck> = KINDS.iter().map(|kind| devices(machine, kind)).collect();
     checks.push(can(machine));
     checks
 }
 
-fn devices(machine: &Machine, kind: &DeviceClass) -> Check {
+fn devices(machine: &HostMachine, kind: &DeviceClass) -> DoctorCheck {
     let names = machine.list(kind.folder, kind.prefix);
     let gpio = kind.subsystem == "gpio";
     if names.is_empty() {
         return match () {
-            () if gpio => Check::bad(GROUP, kind.name, "none")
+            () if gpio => DoctorCheck::bad(GROUP, kind.name, "none")
                 .means("there are no lines here: plans run on the simulated board, and on no other"),
             () if kind.subsystem == "spidev" && machine.has("/boot/firmware/config.txt") => {
-                Check::open(GROUP, kind.name, "none").fix("sudo raspi-config nonint do_spi 0")
+                DoctorCheck::open(GROUP, kind.name, "none").fix("sudo raspi-config nonint do_spi 0")
             }
-            () => Check::open(GROUP, kind.name, "none"),
+            () => DoctorCheck::open(GROUP, kind.name, "none"),
         };
     }
     let file = |name: &str| kind.file.replace("{}", name);
@@ -102,31 +102,31 @@ fn devices(machine: &Machine, kind: &DeviceClass) -> Check {
         Some(refused) => {
             let found = format!("{}; {} is not to be used", names.join(", "), file(refused));
             let mut check = if gpio {
-                Check::bad(GROUP, kind.name, found).means("the rig may neither read nor drive lines")
+                DoctorCheck::bad(GROUP, kind.name, found).means("the rig may neither read nor drive lines")
             } else {
-                Check::poor(GROUP, kind.name, found).means("the rig may not use it")
+                DoctorCheck::poor(GROUP, kind.name, found).means("the rig may not use it")
             };
             let (fix, then) = grant(machine, &file(refused), kind.subsystem, kind.group);
             check = check.fix(fix).then(then);
             check
         }
         None if gpio && version(machine).is_some_and(|version| version < GPIO_V2) => {
-            Check::poor(GROUP, kind.name, format!("{}, by the first interface", names.join(", ")))
+            DoctorCheck::poor(GROUP, kind.name, format!("{}, by the first interface", names.join(", ")))
                 .means("edges that get lost go unnoticed; a kernel from 5.10 reports them")
         }
-        None => Check::good(GROUP, kind.name, names.join(", ")),
+        None => DoctorCheck::good(GROUP, kind.name, names.join(", ")),
     }
 }
 
 /// Major and minor number of the kernel.
-pub fn version(machine: &Machine) -> Option<(u32, u32)> {
+pub fn version(machine: &HostMachine) -> Option<(u32, u32)> {
     let release = machine.release()?;
     let mut numbers = release.split(|c: char| !c.is_ascii_digit()).map(str::parse);
     Some((numbers.next()?.ok()?, numbers.next()?.ok()?))
 }
 
 /// The line that gives a file to this user, and what has to be done after it.
-pub fn grant(machine: &Machine, file: &str, subsystem: &str, group: &str) -> (String, &'static str) {
+pub fn grant(machine: &HostMachine, file: &str, subsystem: &str, group: &str) -> (String, &'static str) {
     let owner = machine.mode(file).filter(|(mode, _, _)| mode & 0o060 == 0o060);
     let name = owner.and_then(|(_, _, gid)| group_name(machine, gid)).filter(|name| name != "root");
     match name {
@@ -143,7 +143,7 @@ pub fn grant(machine: &Machine, file: &str, subsystem: &str, group: &str) -> (St
     }
 }
 
-fn group_name(machine: &Machine, gid: u32) -> Option<String> {
+fn group_name(machine: &HostMachine, gid: u32) -> Option<String> {
     let text = machine.read("/etc/group")?;
     text.lines().find_map(|line| {
         let mut fields = line.split(':');
@@ -153,13 +153,13 @@ fn group_name(machine: &Machine, gid: u32) -> Option<String> {
 }
 
 /// CAN controllers are network interfaces: everybody may use them, and somebody has to switch them on.
-fn can(machine: &Machine) -> Check {
+fn can(machine: &HostMachine) -> DoctorCheck {
     const NAME: &str = "CAN";
     let about = |name: &str, file: &str| machine.read(&format!("/sys/class/net/{name}/{file}"));
     let mut names = machine.list("/sys/class/net", "");
     names.retain(|name| about(name, "type").as_deref() == Some(CAN));
     if names.is_empty() {
-        return Check::open(GROUP, NAME, "none");
+        return DoctorCheck::open(GROUP, NAME, "none");
     }
     let up = |name: &String| {
         let flags = about(name, "flags").unwrap_or_default();
@@ -168,7 +168,8 @@ fn can(machine: &Machine) -> Check {
     match names.iter().find(|name| !up(name)) {
         None => can_up(machine, &names),
         Some(down) => {
-            let mut check = Check::good(GROUP, NAME, format!("{}; {down} is switched off", names.join(", ")));
+            let mut check =
+                DoctorCheck::good(GROUP, NAME, format!("{}; {down} is switched off", names.join(", ")));
             check.state = CheckState::Open;
             check.fix(format!("sudo ip link set {down} up type can bitrate 500000"))
         }
@@ -176,16 +177,16 @@ fn can(machine: &Machine) -> Check {
 }
 
 /// Interfaces that are switched on: how they are set up, as far as this machine can be asked.
-fn can_up(machine: &Machine, names: &[String]) -> Check {
+fn can_up(machine: &HostMachine, names: &[String]) -> DoctorCheck {
     const NAME: &str = "CAN";
     if !machine.is_here() {
-        return Check::good(GROUP, NAME, names.join(", "));
+        return DoctorCheck::good(GROUP, NAME, names.join(", "));
     }
     let links: Vec<can::Link> = names.iter().filter_map(|name| can::ask(name).ok()).collect();
     let words: Vec<String> = links.iter().map(|link| format!("{}{}", link.name, can::words(link))).collect();
     match links.iter().find(|link| link.state == Some(BusState::BusOff)) {
-        None => Check::good(GROUP, NAME, words.join("; ")),
-        Some(off) => Check::poor(GROUP, NAME, words.join("; "))
+        None => DoctorCheck::good(GROUP, NAME, words.join("; ")),
+        Some(off) => DoctorCheck::poor(GROUP, NAME, words.join("; "))
             .means("nothing passes there before its controller is started again")
             .fix(format!("sudo ip link set {} type can restart", off.name))
             .then("look at bit rate, termination and cable: too many errors made it give up"),

@@ -1,22 +1,22 @@
 //! What was measured of this machine and is kept.
 
-use super::check::Check;
+use super::check::DoctorCheck;
 use drivers::file::{BoardFile, BoardKind};
 use drivers::gpio::GpioSpec;
-use host::Machine;
+use host::HostMachine;
 use runtime::figures::{self, CountingLimit};
 use signal::Span;
 
 const GROUP: &str = "figures";
 
 /// The figures that are kept of this machine; of another one nothing is known here.
-pub fn checks(machine: &Machine) -> Vec<Check> {
+pub fn checks(machine: &HostMachine) -> Vec<DoctorCheck> {
     if machine.is_here() { vec![latency(machine)] } else { Vec::new() }
 }
 
 /// How fast a board counts, as it was measured last, beside what its file promises. `None` for a board without GPIO
 /// lines.
-pub fn counts(file: &BoardFile) -> Option<Check> {
+pub fn counts(file: &BoardFile) -> Option<DoctorCheck> {
     const NAME: &str = "counting";
     let BoardKind::Real(spec) = &file.kind else { return None };
     let lines = &spec.of::<GpioSpec>()?.lines;
@@ -26,14 +26,14 @@ pub fn counts(file: &BoardFile) -> Option<Check> {
         return None;
     }
     let fix = format!("rig bench counts {}", file.name);
-    let open = |found: String| Some(Check::open(GROUP, NAME, found).fix(fix.clone()));
+    let open = |found: String| Some(DoctorCheck::open(GROUP, NAME, found).fix(fix.clone()));
     let Some(folder) = figures::folder() else { return open(String::from("nothing can be kept")) };
     let kept = match figures::kept(&folder, figures::COUNTS, &figures::devices(file)) {
         Ok(Some(kept)) => kept,
         Ok(None) => return open(String::from("not measured")),
         Err(error) => return open(format!("the figures cannot be read: {error}")),
     };
-    if let Some((name, then, now)) = kept.differences(&Machine::here().identity()).first() {
+    if let Some((name, then, now)) = kept.differences(&HostMachine::here().identity()).first() {
         return open(format!("measured when the {name} was `{then}`; now it is `{now}`"));
     }
     let Some(came) = CountingLimit::of(&kept) else {
@@ -44,18 +44,21 @@ pub fn counts(file: &BoardFile) -> Option<Check> {
         Some((line, hz)) if hz > came.counted_hz => {
             let name = file.circuit.channels.get(usize::from(line.channel.0));
             let name = name.map_or("", |channel| channel.name.as_str());
-            let check =
-                Check::poor(GROUP, NAME, format!("{found}; the board file promises {hz} Hz of `{name}`"));
+            let check = DoctorCheck::poor(
+                GROUP,
+                NAME,
+                format!("{found}; the board file promises {hz} Hz of `{name}`"),
+            );
             check.means("counts of faster pulses may be wrong without notice").fix(fix)
         }
-        _ => Check::good(GROUP, NAME, found),
+        _ => DoctorCheck::good(GROUP, NAME, found),
     })
 }
 
-fn latency(machine: &Machine) -> Check {
+fn latency(machine: &HostMachine) -> DoctorCheck {
     const NAME: &str = "wake-up latency";
     const FIX: &str = "rig bench latency --count 100000";
-    let open = |found: String| Check::open(GROUP, NAME, found).fix(FIX);
+    let open = |found: String| DoctorCheck::open(GROUP, NAME, found).fix(FIX);
     let Some(folder) = figures::folder() else {
         return open(String::from("nothing can be kept: neither XDG_STATE_HOME nor HOME names a folder"));
     };
@@ -70,7 +73,7 @@ fn latency(machine: &Machine) -> Check {
     let span = |nanos: u64| Span::from_nanos(i64::try_from(nanos).unwrap_or(i64::MAX));
     let how: Vec<String> = kept.settings.iter().map(|(name, text)| format!("{name} {text}")).collect();
     match kept.figures.first() {
-        Some(late) => Check::good(
+        Some(late) => DoctorCheck::good(
             GROUP,
             NAME,
             format!(

@@ -10,12 +10,12 @@ mod processors;
 mod safety;
 mod settings;
 
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use crate::output::OutputFormat;
-use check::{Check, CheckState};
+use check::{CheckState, DoctorCheck};
 use clap::Args;
-use host::Machine;
+use host::HostMachine;
 use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -40,8 +40,8 @@ pub struct DoctorArgs {
 }
 
 /// Looks at everything and says what was found.
-pub fn run(args: &DoctorArgs) -> Exit {
-    let machine = args.root.as_deref().map_or_else(Machine::here, Machine::below);
+pub fn run(args: &DoctorArgs) -> ExitStatus {
+    let machine = args.root.as_deref().map_or_else(HostMachine::here, HostMachine::below);
     let groups = [
         kernel::checks,
         processors::checks,
@@ -67,19 +67,19 @@ pub fn run(args: &DoctorArgs) -> Exit {
         OutputFormat::Json => output::print(&format!("{:#}\n", document(&machine, &checks, worst))),
     }
     match worst {
-        CheckState::Good | CheckState::Open => Exit::Passed,
-        CheckState::Poor => Exit::Inconclusive,
-        CheckState::Bad => Exit::Failed,
+        CheckState::Good | CheckState::Open => ExitStatus::Passed,
+        CheckState::Poor => ExitStatus::Inconclusive,
+        CheckState::Bad => ExitStatus::Failed,
     }
 }
 
 /// The names of what is in a state.
-fn names(checks: &[Check], state: CheckState) -> Vec<&'static str> {
+fn names(checks: &[DoctorCheck], state: CheckState) -> Vec<&'static str> {
     checks.iter().filter(|check| check.state == state).map(|check| check.name).collect()
 }
 
 /// For a person: group by group, with what to type.
-fn table(checks: &[Check], worst: CheckState) -> String {
+fn table(checks: &[DoctorCheck], worst: CheckState) -> String {
     let mut text = String::new();
     let mut group = "";
     for check in checks {
@@ -109,7 +109,7 @@ fn table(checks: &[Check], worst: CheckState) -> String {
 }
 
 /// For a program.
-fn document(machine: &Machine, checks: &[Check], worst: CheckState) -> serde_json::Value {
+fn document(machine: &HostMachine, checks: &[DoctorCheck], worst: CheckState) -> serde_json::Value {
     let verdict = match worst {
         CheckState::Bad => "unfit",
         CheckState::Poor => "drawbacks",

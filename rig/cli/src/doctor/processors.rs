@@ -1,8 +1,8 @@
 //! The processors: their frequency, their sleep, and whether one is kept free.
 
-use super::check::Check;
+use super::check::DoctorCheck;
 use super::kernel::boot_parameter;
-use host::Machine;
+use host::HostMachine;
 
 const GROUP: &str = "processors";
 
@@ -10,36 +10,38 @@ const GROUP: &str = "processors";
 const PROCESSORS: &str = "/sys/devices/system/cpu";
 
 /// Everything about the processors.
-pub fn checks(machine: &Machine) -> Vec<Check> {
+pub fn checks(machine: &HostMachine) -> Vec<DoctorCheck> {
     vec![governor(machine), sleep(machine), isolated(machine)]
 }
 
-fn governor(machine: &Machine) -> Check {
+fn governor(machine: &HostMachine) -> DoctorCheck {
     const NAME: &str = "governor";
     let governors = machine.governors();
     match governors.as_slice() {
-        [] if !machine.has(PROCESSORS) => Check::open(GROUP, NAME, "the kernel does not say"),
-        [] => Check::good(GROUP, NAME, "none: the frequency does not change, or is not ours to choose"),
-        [only] if only == "performance" => Check::good(GROUP, NAME, "performance"),
-        others => Check::poor(GROUP, NAME, others.join(", "))
+        [] if !machine.has(PROCESSORS) => DoctorCheck::open(GROUP, NAME, "the kernel does not say"),
+        [] => DoctorCheck::good(GROUP, NAME, "none: the frequency does not change, or is not ours to choose"),
+        [only] if only == "performance" => DoctorCheck::good(GROUP, NAME, "performance"),
+        others => DoctorCheck::poor(GROUP, NAME, others.join(", "))
             .means("a processor that begins slowly makes the first scans after idle time late")
             .fix("echo performance | sudo tee /sys/devices/system/cpu/cpu*/cpufreq/scaling_governor"),
     }
 }
 
 /// Deep sleep is kept off while the rig runs, where the kernel lets it ask for that.
-fn sleep(machine: &Machine) -> Check {
+fn sleep(machine: &HostMachine) -> DoctorCheck {
     const NAME: &str = "idle states";
     const REQUEST: &str = "/dev/cpu_dma_latency";
     let driver = machine.read("/sys/devices/system/cpu/cpuidle/current_driver");
     match driver {
-        None if !machine.has(PROCESSORS) => Check::open(GROUP, NAME, "the kernel does not say"),
-        None => Check::good(GROUP, NAME, "none"),
-        Some(driver) if driver == "none" => Check::good(GROUP, NAME, "none"),
-        Some(driver) if machine.may_use(REQUEST) => {
-            Check::good(GROUP, NAME, format!("{driver}; the rig keeps the processors awake while it runs"))
-        }
-        Some(driver) => Check::poor(GROUP, NAME, format!("{driver}; {REQUEST} is not to be written"))
+        None if !machine.has(PROCESSORS) => DoctorCheck::open(GROUP, NAME, "the kernel does not say"),
+        None => DoctorCheck::good(GROUP, NAME, "none"),
+        Some(driver) if driver == "none" => DoctorCheck::good(GROUP, NAME, "none"),
+        Some(driver) if machine.may_use(REQUEST) => DoctorCheck::good(
+            GROUP,
+            NAME,
+            format!("{driver}; the rig keeps the processors awake while it runs"),
+        ),
+        Some(driver) => DoctorCheck::poor(GROUP, NAME, format!("{driver}; {REQUEST} is not to be written"))
             .means("a processor in deep sleep takes tens of microseconds or more to wake up")
             .fix(format!(
                 "echo 'KERNEL==\"cpu_dma_latency\", MODE=\"0666\"' | sudo tee \
@@ -48,19 +50,19 @@ fn sleep(machine: &Machine) -> Check {
     }
 }
 
-fn isolated(machine: &Machine) -> Check {
+fn isolated(machine: &HostMachine) -> DoctorCheck {
     const NAME: &str = "isolation";
     let online = machine.read("/sys/devices/system/cpu/online");
     let last = online.as_deref().and_then(|text| text.rsplit([',', '-']).next()?.parse::<u32>().ok());
     match (machine.read("/sys/devices/system/cpu/isolated"), last) {
         (Some(isolated), _) => {
-            Check::good(GROUP, NAME, format!("processor {isolated} is kept free of others' work"))
+            DoctorCheck::good(GROUP, NAME, format!("processor {isolated} is kept free of others' work"))
         }
-        (None, None) => Check::open(GROUP, NAME, "the kernel does not say"),
-        (None, Some(0)) => Check::poor(GROUP, NAME, "there is one processor only")
+        (None, None) => DoctorCheck::open(GROUP, NAME, "the kernel does not say"),
+        (None, Some(0)) => DoctorCheck::poor(GROUP, NAME, "there is one processor only")
             .means("the scan shares its processor with everything else"),
         (None, Some(last)) => {
-            let check = Check::poor(GROUP, NAME, "no processor is kept free of others' work")
+            let check = DoctorCheck::poor(GROUP, NAME, "no processor is kept free of others' work")
                 .means("interrupts and other programs run on the processor of the scan");
             let parameter = format!("isolcpus=managed_irq,domain,{last} nohz_full={last} rcu_nocbs={last}");
             let further = format!(", and write `cpus = [{last}]` below `[realtime]` in the board file");

@@ -1,10 +1,10 @@
 //! What makes the outputs safe when the rig cannot any more: the guard, and the watchdog that backs it.
 
-use super::check::Check;
+use super::check::DoctorCheck;
 use super::devices::{grant, version};
 use drivers::file::GuardSettings;
 use guard::{Guard, GuardError, MissingPrivileges};
-use host::Machine;
+use host::HostMachine;
 
 const GROUP: &str = "safety";
 
@@ -12,26 +12,26 @@ const GROUP: &str = "safety";
 const PIDFD: (u32, u32) = (5, 3);
 
 /// The guard and the watchdog.
-pub fn checks(machine: &Machine) -> Vec<Check> {
+pub fn checks(machine: &HostMachine) -> Vec<DoctorCheck> {
     vec![guard(machine), watchdog(machine)]
 }
 
-fn guard(machine: &Machine) -> Check {
+fn guard(machine: &HostMachine) -> DoctorCheck {
     const NAME: &str = "guard";
     match version(machine) {
-        None => Check::open(GROUP, NAME, "the kernel does not say which version it has"),
-        Some(version) if version < PIDFD => Check::bad(GROUP, NAME, "not with this kernel")
+        None => DoctorCheck::open(GROUP, NAME, "the kernel does not say which version it has"),
+        Some(version) if version < PIDFD => DoctorCheck::bad(GROUP, NAME, "not with this kernel")
             .means("the guard cannot end a rig that hangs; a kernel from 5.3 lets it"),
         // The one that knows best is a guard itself: it holds nothing and ends at once.
         Some(_) if machine.is_here() => match tried() {
-            Ok(lacks) => Check::good(GROUP, NAME, lacks),
-            Err(error) => Check::bad(GROUP, NAME, error.to_string())
+            Ok(lacks) => DoctorCheck::good(GROUP, NAME, lacks),
+            Err(error) => DoctorCheck::bad(GROUP, NAME, error.to_string())
                 .means(
                     "nobody would make the outputs safe when the rig ends badly: real lines are not opened",
                 )
                 .then(error.help()),
         },
-        Some(_) => Check::good(GROUP, NAME, "possible"),
+        Some(_) => DoctorCheck::good(GROUP, NAME, "possible"),
     }
 }
 
@@ -49,13 +49,13 @@ fn tried() -> Result<String, GuardError> {
     })
 }
 
-fn watchdog(machine: &Machine) -> Check {
+fn watchdog(machine: &HostMachine) -> DoctorCheck {
     const NAME: &str = "watchdog";
     const NODE: &str = "/dev/watchdog";
     const ABOUT: &str = "/sys/class/watchdog/watchdog0";
     let about = |name: &str| machine.read(&format!("{ABOUT}/{name}"));
     if !machine.has(NODE) {
-        let check = Check::poor(GROUP, NAME, "none")
+        let check = DoctorCheck::poor(GROUP, NAME, "none")
             .means("if rig and guard both end, nobody makes the outputs safe");
         let release = machine.release().unwrap_or_default();
         return if machine.has(&format!("/lib/modules/{release}/kernel")) {
@@ -67,7 +67,7 @@ fn watchdog(machine: &Machine) -> Check {
     }
     let name = about("identity").unwrap_or_else(|| String::from("one without a name"));
     if about("state").as_deref() == Some("active") {
-        return Check::poor(GROUP, NAME, format!("{name}, which another program feeds"))
+        return DoctorCheck::poor(GROUP, NAME, format!("{name}, which another program feeds"))
             .means("it bites when that program ends, and not when the rig does")
             .fix(
                 "printf '[Manager]\\nRuntimeWatchdogSec=0\\n' | \
@@ -77,13 +77,13 @@ fn watchdog(machine: &Machine) -> Check {
     }
     if !machine.may_use(NODE) {
         let (fix, then) = grant(machine, NODE, "watchdog", "watchdog");
-        return Check::poor(GROUP, NAME, format!("{name}; {NODE} is not to be used"))
+        return DoctorCheck::poor(GROUP, NAME, format!("{name}; {NODE} is not to be used"))
             .means("if rig and guard both end, nobody makes the outputs safe")
             .fix(fix)
             .then(then);
     }
     match about("timeout").filter(|seconds| seconds != "0") {
-        Some(seconds) => Check::good(GROUP, NAME, format!("{name}, {seconds} s")),
-        None => Check::good(GROUP, NAME, name),
+        Some(seconds) => DoctorCheck::good(GROUP, NAME, format!("{name}, {seconds} s")),
+        None => DoctorCheck::good(GROUP, NAME, name),
     }
 }

@@ -1,7 +1,7 @@
 //! How the devices are set up that carry more than levels: converters, serial ports, CAN interfaces.
 
-use super::check::Check;
-use host::Machine;
+use super::check::DoctorCheck;
+use host::HostMachine;
 
 const GROUP: &str = "devices";
 
@@ -18,28 +18,28 @@ const LOW_LATENCY: u32 = 1 << 13;
 const QUICK: u32 = 1;
 
 /// What there is to say of the devices that are there.
-pub fn checks(machine: &Machine) -> Vec<Check> {
+pub fn checks(machine: &HostMachine) -> Vec<DoctorCheck> {
     [transfer(machine), timers(machine), latency(machine)].into_iter().flatten().collect()
 }
 
 /// How much the driver of SPI takes at once.
-fn transfer(machine: &Machine) -> Option<Check> {
+fn transfer(machine: &HostMachine) -> Option<DoctorCheck> {
     if machine.list("/dev", "spidev").is_empty() {
         return None;
     }
     Some(match buffer(machine) {
-        Some(bytes) => Check::good(GROUP, TRANSFERS, format!("of up to {bytes} bytes")),
-        None => Check::open(GROUP, TRANSFERS, "the driver does not say how long they may be"),
+        Some(bytes) => DoctorCheck::good(GROUP, TRANSFERS, format!("of up to {bytes} bytes")),
+        None => DoctorCheck::open(GROUP, TRANSFERS, "the driver does not say how long they may be"),
     })
 }
 
 /// Bytes that the driver of SPI takes at once.
-pub fn buffer(machine: &Machine) -> Option<u32> {
+pub fn buffer(machine: &HostMachine) -> Option<u32> {
     machine.read("/sys/module/spidev/parameters/bufsiz")?.trim().parse().ok()
 }
 
 /// Whether converters can sample by themselves without a trigger of their own.
-fn timers(machine: &Machine) -> Option<Check> {
+fn timers(machine: &HostMachine) -> Option<DoctorCheck> {
     const NAME: &str = "ADC timers";
     let devices = machine.list("/sys/bus/iio/devices", "iio:device");
     let buffered =
@@ -48,15 +48,15 @@ fn timers(machine: &Machine) -> Option<Check> {
         return None;
     }
     Some(if machine.has(TIMERS) {
-        Check::good(GROUP, NAME, "the kernel makes them")
+        DoctorCheck::good(GROUP, NAME, "the kernel makes them")
     } else {
-        Check::open(GROUP, NAME, "none: with `buffered = true` a converter needs a `trigger`")
+        DoctorCheck::open(GROUP, NAME, "none: with `buffered = true` a converter needs a `trigger`")
             .fix("sudo modprobe iio-trig-hrtimer && echo iio-trig-hrtimer | sudo tee /etc/modules-load.d/rig-iio.conf")
     })
 }
 
 /// How long serial ports keep bytes to themselves.
-fn latency(machine: &Machine) -> Option<Check> {
+fn latency(machine: &HostMachine) -> Option<DoctorCheck> {
     const NAME: &str = "serial latency";
     let about = |port: &str, file: &str| machine.read(&format!("/sys/class/tty/{port}/{file}"));
     let real = |port: &String| {
@@ -74,10 +74,10 @@ fn latency(machine: &Machine) -> Option<Check> {
     let slow: Vec<&str> = ports.iter().filter(slow).map(String::as_str).collect();
     match (ports.len(), slow.len()) {
         (0, _) => None,
-        (_, 0) => Some(Check::good(GROUP, NAME, "low, as far as the ports report")),
+        (_, 0) => Some(DoctorCheck::good(GROUP, NAME, "low, as far as the ports report")),
         _ => {
             let found = format!("{} may keep what comes for some milliseconds", slow.join(", "));
-            let check = Check::open(GROUP, NAME, found);
+            let check = DoctorCheck::open(GROUP, NAME, found);
             Some(check.then("`low-latency = true` of a serial bus changes that while the rig uses it"))
         }
     }

@@ -75,19 +75,19 @@ pub(super) enum AddOutcome {
 
 /// An open history.
 #[derive(Debug)]
-pub(super) struct Database {
+pub(super) struct HistoryDatabase {
     path: PathBuf,
     connection: Connection,
 }
 
-impl Database {
+impl HistoryDatabase {
     /// Opens a history, or makes one where there is no file or an empty one.
     ///
     /// # Errors
     /// The file is no history, or cannot be used now.
-    pub(super) fn open_or_make(path: &Path) -> Result<Database, Diagnostic> {
+    pub(super) fn open_or_make(path: &Path) -> Result<HistoryDatabase, Diagnostic> {
         let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_CREATE;
-        let mut database = Database::connect(path, flags)?;
+        let mut database = HistoryDatabase::connect(path, flags)?;
         let said = |error| fault(path, &error);
         // Within a transaction: two commands may make the file at once.
         let make = |connection: &mut Connection| -> rusqlite::Result<()> {
@@ -110,15 +110,15 @@ impl Database {
     ///
     /// # Errors
     /// The file is not there, no history, or cannot be used now.
-    pub(super) fn open(path: &Path) -> Result<Database, Diagnostic> {
+    pub(super) fn open(path: &Path) -> Result<HistoryDatabase, Diagnostic> {
         if !path.is_file() {
             return Err(Diagnostic::error("R0168", format!("there is no history `{}`", path.display()))
                 .help("`rig history add RUN` makes one; `--file` names it"));
         }
-        Database::connect(path, OpenFlags::SQLITE_OPEN_READ_ONLY)?.checked()
+        HistoryDatabase::connect(path, OpenFlags::SQLITE_OPEN_READ_ONLY)?.checked()
     }
 
-    fn connect(path: &Path, flags: OpenFlags) -> Result<Database, Diagnostic> {
+    fn connect(path: &Path, flags: OpenFlags) -> Result<HistoryDatabase, Diagnostic> {
         let flags = flags | OpenFlags::SQLITE_OPEN_NO_MUTEX;
         let connection = Connection::open_with_flags(path, flags).map_err(|error| fault(path, &error))?;
         let settings = || -> rusqlite::Result<()> {
@@ -128,11 +128,11 @@ impl Database {
             connection.pragma_update(None, "trusted_schema", false)
         };
         settings().map_err(|error| fault(path, &error))?;
-        Ok(Database { path: path.to_owned(), connection })
+        Ok(HistoryDatabase { path: path.to_owned(), connection })
     }
 
     /// The same, if it is a history that this version knows.
-    fn checked(self) -> Result<Database, Diagnostic> {
+    fn checked(self) -> Result<HistoryDatabase, Diagnostic> {
         let number = |name: &str| -> Result<i32, Diagnostic> {
             self.connection
                 .pragma_query_value(None, name, |row| row.get(0))

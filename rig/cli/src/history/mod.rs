@@ -5,11 +5,11 @@ mod read;
 mod show;
 mod trend;
 
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output::OutputFormat;
 use crate::{output, saved_runs};
 use clap::{Args, Subcommand};
-use database::{AddOutcome, Database};
+use database::{AddOutcome, HistoryDatabase};
 use document::Diagnostic;
 use record::RunRecord;
 use std::num::NonZeroU32;
@@ -67,16 +67,16 @@ pub struct ShowArgs {
 }
 
 /// Adds to a history or shows it.
-pub fn run(command: &HistoryCommand) -> Exit {
+pub fn run(command: &HistoryCommand) -> ExitStatus {
     let done = match command {
         HistoryCommand::Add(args) => add(args),
         HistoryCommand::Show(args) => show(args),
     };
     match done {
-        Ok(()) => Exit::Passed,
+        Ok(()) => ExitStatus::Passed,
         Err(found) => {
             output::findings(&[found], &[]);
-            Exit::UserFiles
+            ExitStatus::UserFiles
         }
     }
 }
@@ -86,7 +86,7 @@ pub fn run(command: &HistoryCommand) -> Exit {
 /// # Errors
 /// Why the history cannot be used.
 pub fn keep(path: &Path, name: &str, run: &RunRecord) -> Result<(), Diagnostic> {
-    Database::open_or_make(path)?.add(name, run, KEEP).map(drop)
+    HistoryDatabase::open_or_make(path)?.add(name, run, KEEP).map(drop)
 }
 
 fn add(args: &AddArgs) -> Result<(), Diagnostic> {
@@ -94,7 +94,7 @@ fn add(args: &AddArgs) -> Result<(), Diagnostic> {
     // All are read before the first is written.
     let runs: Vec<saved_runs::SavedRun> =
         args.runs.iter().map(|run| saved_runs::load(run)).collect::<Result<_, _>>()?;
-    let mut database = Database::open_or_make(path)?;
+    let mut database = HistoryDatabase::open_or_make(path)?;
     for run in &runs {
         let said = match database.add(&run.name, &run.record, args.keep.get())? {
             AddOutcome::New => "added",
@@ -107,7 +107,7 @@ fn add(args: &AddArgs) -> Result<(), Diagnostic> {
 }
 
 fn show(args: &ShowArgs) -> Result<(), Diagnostic> {
-    let database = Database::open(&args.file.file)?;
+    let database = HistoryDatabase::open(&args.file.file)?;
     let past = read::read(&database, args.last.get(), args.only.as_deref())?;
     output::print(&match args.format {
         OutputFormat::Table => show::table(&past, args.only.is_some()),

@@ -1,6 +1,6 @@
 //! The last runs of a history.
 
-use super::database::Database;
+use super::database::HistoryDatabase;
 use document::Diagnostic;
 use rusqlite::params;
 use std::collections::BTreeMap;
@@ -66,11 +66,15 @@ pub(super) struct PastRuns {
 ///
 /// # Errors
 /// The file cannot be read.
-pub(super) fn read(database: &Database, last: u32, only: Option<&str>) -> Result<PastRuns, Diagnostic> {
+pub(super) fn read(
+    database: &HistoryDatabase,
+    last: u32,
+    only: Option<&str>,
+) -> Result<PastRuns, Diagnostic> {
     query(database, last, only).map_err(|error| database.fault(&error))
 }
 
-fn query(database: &Database, last: u32, only: Option<&str>) -> rusqlite::Result<PastRuns> {
+fn query(database: &HistoryDatabase, last: u32, only: Option<&str>) -> rusqlite::Result<PastRuns> {
     // One moment for all that is read: another command may add a run meanwhile.
     let moment = database.connection().unchecked_transaction()?;
     let mut past = PastRuns::default();

@@ -4,7 +4,7 @@ mod foreign;
 mod instant;
 mod mapping;
 
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use clap::Args;
 use document::{Diagnostic, SourceFile};
@@ -70,15 +70,15 @@ impl CaptureArgs {
 }
 
 /// Judges a recorded trace again.
-pub fn run(args: &JudgeArgs) -> Exit {
+pub fn run(args: &JudgeArgs) -> ExitStatus {
     try_run(args).unwrap_or_else(|exit| exit)
 }
 
-fn try_run(args: &JudgeArgs) -> Result<Exit, Exit> {
+fn try_run(args: &JudgeArgs) -> Result<ExitStatus, ExitStatus> {
     let path = args.trace.display();
     let refuse = |what: String| {
         output::error(&what);
-        Exit::UserFiles
+        ExitStatus::UserFiles
     };
     let unreadable = |error: std::io::Error| refuse(format!("{path} cannot be read: {error}"));
     let mut file = File::open(&args.trace).map_err(unreadable)?;
@@ -100,12 +100,12 @@ fn try_run(args: &JudgeArgs) -> Result<Exit, Exit> {
     };
     let record = judged.map_err(|found| {
         output::findings(&found, &sources);
-        Exit::UserFiles
+        ExitStatus::UserFiles
     })?;
     let style = Style { color: output::color_out(), quiet: false };
     let (line, details) = (case_line(&record, style), details(&record, style));
     output::print(&format!("{}\n{details}  trace  {}\n", line.trim_end(), record.trace_sha256));
-    Ok(Exit::of(record.verdict))
+    Ok(ExitStatus::of(record.verdict))
 }
 
 fn load(file: File) -> Result<Trace, String> {

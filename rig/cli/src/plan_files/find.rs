@@ -1,13 +1,13 @@
 //! The files of a command line: as given, or searched for in folders.
 
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use crate::plan_files::kind::{self, FileKind};
 use runtime::suites::is_suite;
 use std::path::{Component, Path, PathBuf};
 
 /// Files of paths: files as given, folders searched for plans in the order of names.
-pub fn find(paths: &[PathBuf]) -> Result<Vec<String>, Exit> {
+pub fn find(paths: &[PathBuf]) -> Result<Vec<String>, ExitStatus> {
     let mut found = Vec::new();
     for path in paths {
         if path.is_dir() {
@@ -15,7 +15,7 @@ pub fn find(paths: &[PathBuf]) -> Result<Vec<String>, Exit> {
             search(path, 0, &mut found);
             if found.len() == before {
                 output::error(&format!("{} holds no plan", path.display()));
-                return Err(Exit::UserFiles);
+                return Err(ExitStatus::UserFiles);
             }
         } else {
             found.push(tidy(path));

@@ -1,6 +1,6 @@
 //! Plans with everything that they name.
 
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use crate::plan_files::Parameters;
 use crate::plan_files::find::find;
@@ -27,7 +27,7 @@ pub struct LoadRequest<'a> {
 ///
 /// # Errors
 /// How the command ends: all findings are printed.
-pub fn load(request: &LoadRequest<'_>, sources: &mut Vec<SourceFile>) -> Result<Vec<LoadedPlan>, Exit> {
+pub fn load(request: &LoadRequest<'_>, sources: &mut Vec<SourceFile>) -> Result<Vec<LoadedPlan>, ExitStatus> {
     let mut parameters = Parameters::read(request.params)?;
     let board: Option<(BoardFile, String)> = match request.board {
         None => None,
@@ -35,7 +35,7 @@ pub fn load(request: &LoadRequest<'_>, sources: &mut Vec<SourceFile>) -> Result<
             Ok(board) => Some(board),
             Err(found) => {
                 output::findings(&found, sources);
-                return Err(Exit::UserFiles);
+                return Err(ExitStatus::UserFiles);
             }
         },
     };
@@ -61,7 +61,7 @@ pub fn load(request: &LoadRequest<'_>, sources: &mut Vec<SourceFile>) -> Result<
         }
     }
     if wrong {
-        return Err(Exit::UserFiles);
+        return Err(ExitStatus::UserFiles);
     }
     parameters.finish()?;
     Ok(loaded)

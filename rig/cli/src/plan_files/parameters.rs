@@ -1,6 +1,6 @@
 //! `--param K=V`: a parameter may belong to one plan of several, but not to none.
 
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use document::suggest;
 use runtime::suite::{self, FileSource};
@@ -17,16 +17,16 @@ pub struct Parameters {
 
 impl Parameters {
     /// Reads `K=V`, each name once.
-    pub fn read(given: &[String]) -> Result<Parameters, Exit> {
+    pub fn read(given: &[String]) -> Result<Parameters, ExitStatus> {
         let mut read: Vec<(String, String)> = Vec::new();
         for text in given {
             let Some((name, value)) = text.split_once('=') else {
                 output::error(&format!("--param {text}: write it as NAME=VALUE"));
-                return Err(Exit::UserFiles);
+                return Err(ExitStatus::UserFiles);
             };
             if read.iter().any(|(known, _)| known == name) {
                 output::error(&format!("--param {text}: `{name}` has a value already"));
-                return Err(Exit::UserFiles);
+                return Err(ExitStatus::UserFiles);
             }
             read.push((name.to_owned(), value.to_owned()));
         }
@@ -50,14 +50,14 @@ impl Parameters {
     }
 
     /// After the last plan: refuses a parameter that no plan has.
-    pub fn finish(&self) -> Result<(), Exit> {
+    pub fn finish(&self) -> Result<(), ExitStatus> {
         let missing = self.given.iter().find(|(name, _)| !self.known.contains(name));
         match missing {
             Some((name, _)) if !self.unread => {
                 let hint = suggest(name, self.known.iter().map(String::as_str));
                 let hint = hint.map_or_else(String::new, |meant| format!(": did you mean `{meant}`?"));
                 output::error(&format!("no plan has a parameter `{name}`{hint}"));
-                Err(Exit::UserFiles)
+                Err(ExitStatus::UserFiles)
             }
             _ => Ok(()),
         }

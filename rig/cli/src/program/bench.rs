@@ -2,7 +2,7 @@
 
 use super::args::ProgramBenchArgs;
 use super::{compile, ended, refuse};
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use crate::output::OutputFormat;
 use profile::Profile;
@@ -42,7 +42,7 @@ impl Figures {
 }
 
 /// Runs the bodies of all PROGRAMs back to back and prints how long the host and the modelled controller take.
-pub fn bench(args: &ProgramBenchArgs) -> Exit {
+pub fn bench(args: &ProgramBenchArgs) -> ExitStatus {
     let cycles = args.cycles;
     if cycles == 0 || cycles > MOST_CYCLES {
         let help = format!("from 1 to {MOST_CYCLES}");
@@ -61,7 +61,7 @@ pub fn bench(args: &ProgramBenchArgs) -> Exit {
         Ok(alone) => alone,
         Err(error) => {
             output::error(&error.to_string());
-            return Exit::UserFiles;
+            return ExitStatus::UserFiles;
         }
     };
     let warm_up = (cycles / 10).clamp(1, 1_000);
@@ -81,7 +81,7 @@ pub fn bench(args: &ProgramBenchArgs) -> Exit {
         }
     }
     show(args.format, program.programs(), cycles, Figures::of(host), Figures::of(modelled));
-    Exit::Passed
+    ExitStatus::Passed
 }
 
 fn show(format: OutputFormat, programs: &[String], cycles: u64, host: Figures, modelled: Figures) {

@@ -1,21 +1,21 @@
 //! `rig program check`.
 
 use super::compile_with;
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use profile::Profile;
 use runtime::tasks;
 use std::path::PathBuf;
 
 /// Compiles files and says what is wrong: with the program, and with its tasks for the default controller.
-pub fn check(files: &[PathBuf]) -> Exit {
+pub fn check(files: &[PathBuf]) -> ExitStatus {
     let (program, sources) = match compile_with(files, runtime::application::compile_library) {
         Ok(compiled) => compiled,
         Err(exit) => return exit,
     };
     if let Err(found) = tasks::check(&program, Profile::default()) {
         output::findings(&found, &sources);
-        return Exit::UserFiles;
+        return ExitStatus::UserFiles;
     }
     output::findings(&runtime::application::notes(&program, Profile::default()), &sources);
     let count = program.variables().len();
@@ -24,5 +24,5 @@ pub fn check(files: &[PathBuf]) -> Exit {
         programs => format!("programs {}", programs.join(", ")),
     };
     output::print(&format!("no errors: {what}, {count} variables\n"));
-    Exit::Passed
+    ExitStatus::Passed
 }

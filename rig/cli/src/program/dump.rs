@@ -1,7 +1,7 @@
 //! `rig program dump`.
 
 use super::compile;
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use program::{ListedLine, ListedUnit};
 use std::fmt::Write;
@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 /// Prints the code of an application: for each unit its source lines with the operations that they became and the
 /// modelled time of each.
-pub fn dump(files: &[PathBuf]) -> Exit {
+pub fn dump(files: &[PathBuf]) -> ExitStatus {
     let (program, sources) = match compile(files) {
         Ok(compiled) => compiled,
         Err(exit) => return exit,
@@ -21,7 +21,7 @@ pub fn dump(files: &[PathBuf]) -> Exit {
         }
         output::print(&show(unit, file));
     }
-    Exit::Passed
+    ExitStatus::Passed
 }
 
 fn show(unit: &ListedUnit, file: &str) -> String {

@@ -8,7 +8,7 @@ mod run;
 
 pub use args::ProgramCommand;
 
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use document::{Diagnostic, SourceFile};
 use profile::Profile;
@@ -20,7 +20,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Carries out the command.
-pub fn run(command: &ProgramCommand) -> Exit {
+pub fn run(command: &ProgramCommand) -> ExitStatus {
     match command {
         ProgramCommand::Check { files } => check::check(files),
         ProgramCommand::Run(args) => run::run(args),
@@ -30,21 +30,24 @@ pub fn run(command: &ProgramCommand) -> Exit {
 }
 
 /// Reads and compiles the files of one application for the default controller, and shows what is found in them.
-pub fn compile(files: &[PathBuf]) -> Result<(Arc<Program>, Vec<SourceFile>), Exit> {
+pub fn compile(files: &[PathBuf]) -> Result<(Arc<Program>, Vec<SourceFile>), ExitStatus> {
     compile_with(files, runtime::application::compile)
 }
 
 /// The compiler to be used: one for applications or one for libraries.
 type Compiler = fn(&[SourceFile], Profile) -> Result<Program, Vec<Diagnostic>>;
 
-fn compile_with(files: &[PathBuf], compiler: Compiler) -> Result<(Arc<Program>, Vec<SourceFile>), Exit> {
+fn compile_with(
+    files: &[PathBuf],
+    compiler: Compiler,
+) -> Result<(Arc<Program>, Vec<SourceFile>), ExitStatus> {
     let mut sources = Vec::new();
     for path in files {
         match suite::load_program(&Disk, &path.to_string_lossy()) {
             Ok(source) => sources.push(source),
             Err(found) => {
                 output::findings(&[found], &sources);
-                return Err(Exit::UserFiles);
+                return Err(ExitStatus::UserFiles);
             }
         }
     }
@@ -56,19 +59,19 @@ fn compile_with(files: &[PathBuf], compiler: Compiler) -> Result<(Arc<Program>, 
         }
         Err(found) => {
             output::findings(&found, &sources);
-            Err(Exit::UserFiles)
+            Err(ExitStatus::UserFiles)
         }
     }
 }
 
 /// Something wrong with the arguments.
-fn refuse(code: &'static str, message: String, help: &str) -> Exit {
+fn refuse(code: &'static str, message: String, help: &str) -> ExitStatus {
     output::findings(&[Diagnostic::error(code, message).help(help)], &[]);
-    Exit::UserFiles
+    ExitStatus::UserFiles
 }
 
 /// A duration above 0 that an option gives.
-fn duration(option: &str, text: &str) -> Result<Span, Exit> {
+fn duration(option: &str, text: &str) -> Result<Span, ExitStatus> {
     match Span::parse(text) {
         Ok(span) if span > Span::ZERO => Ok(span),
         Ok(_) => Err(refuse("R0504", format!("{option} {text}: must be above 0"), "")),
@@ -79,18 +82,18 @@ fn duration(option: &str, text: &str) -> Result<Span, Exit> {
 }
 
 /// How a run alone ended, said where that was not well.
-pub fn ended(ended: &StandaloneEnd) -> Exit {
+pub fn ended(ended: &StandaloneEnd) -> ExitStatus {
     match ended {
-        StandaloneEnd::InTime { .. } => Exit::Passed,
+        StandaloneEnd::InTime { .. } => ExitStatus::Passed,
         StandaloneEnd::Fault { at, text } => {
             output::error(&format!("the program failed after {at}: {text}"));
-            Exit::Failed
+            ExitStatus::Failed
         }
         StandaloneEnd::Endless { task, at } => {
             output::error(&format!(
                 "{task}: the cycle that began after {at} had not ended at the end of the run"
             ));
-            Exit::Failed
+            ExitStatus::Failed
         }
     }
 }

@@ -2,11 +2,11 @@
 
 use super::args::ProgramRunArgs;
 use super::{compile, duration, ended, refuse};
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use crate::output::OutputFormat;
 use profile::Profile;
-use program::{Elementary, Program, SetError, Shown};
+use program::{Elementary, Program, SetError, ShownVariable};
 use reports::text;
 use runtime::coverage::by_file;
 use runtime::standalone::{StandaloneRun, tasks};
@@ -18,7 +18,7 @@ use std::sync::Arc;
 const MOST_VALUES: usize = 10_000;
 
 /// Runs an application alone and prints its variables.
-pub fn run(args: &ProgramRunArgs) -> Exit {
+pub fn run(args: &ProgramRunArgs) -> ExitStatus {
     match prepare(args) {
         Ok((alone, program)) => finish(args, alone, &program),
         Err(exit) => exit,
@@ -26,14 +26,14 @@ pub fn run(args: &ProgramRunArgs) -> Exit {
 }
 
 /// The application before its first cycle.
-fn prepare(args: &ProgramRunArgs) -> Result<(StandaloneRun, Arc<Program>), Exit> {
+fn prepare(args: &ProgramRunArgs) -> Result<(StandaloneRun, Arc<Program>), ExitStatus> {
     let interval = duration("--interval", &args.interval)?;
     duration("--for", &args.duration)?;
     let (program, _) = compile(&args.files)?;
     let tasks = tasks(&program, interval);
     let mut alone = StandaloneRun::new(Arc::clone(&program), tasks, Profile::default()).map_err(|error| {
         output::error(&error.to_string());
-        Exit::UserFiles
+        ExitStatus::UserFiles
     })?;
     for assignment in &args.set {
         set(&mut alone, &program, assignment)?;
@@ -50,7 +50,7 @@ fn prepare(args: &ProgramRunArgs) -> Result<(StandaloneRun, Arc<Program>), Exit>
 }
 
 /// Runs it and prints what came of it.
-fn finish(args: &ProgramRunArgs, mut alone: StandaloneRun, program: &Program) -> Exit {
+fn finish(args: &ProgramRunArgs, mut alone: StandaloneRun, program: &Program) -> ExitStatus {
     let ran = match duration("--for", &args.duration) {
         Ok(time) => alone.run(time),
         Err(exit) => return exit,
@@ -89,7 +89,7 @@ fn finish(args: &ProgramRunArgs, mut alone: StandaloneRun, program: &Program) ->
 }
 
 /// Sets a variable as `VARIABLE=VALUE` says.
-fn set(alone: &mut StandaloneRun, program: &Program, assignment: &str) -> Result<(), Exit> {
+fn set(alone: &mut StandaloneRun, program: &Program, assignment: &str) -> Result<(), ExitStatus> {
     let Some((name, text)) = assignment.split_once('=') else {
         let help = "write it as VARIABLE=VALUE";
         return Err(refuse("R0503", format!("--set {assignment}: no assignment"), help));
@@ -104,7 +104,7 @@ fn set(alone: &mut StandaloneRun, program: &Program, assignment: &str) -> Result
     })
 }
 
-fn no_variable(option: &str, name: &str, program: &Program) -> Exit {
+fn no_variable(option: &str, name: &str, program: &Program) -> ExitStatus {
     let known = program.variables().iter().map(|variable| variable.path.as_str());
     let known = known.chain(program.roots().iter().map(|root| root.path.as_str()));
     let help = document::suggest(name, known);
@@ -134,7 +134,7 @@ fn names(lists: &[String]) -> Vec<&str> {
 }
 
 /// All variables, those of structures, blocks and programs one by one.
-fn every(alone: &mut StandaloneRun, program: &Program) -> Vec<(String, Shown)> {
+fn every(alone: &mut StandaloneRun, program: &Program) -> Vec<(String, ShownVariable)> {
     let mut values = Vec::new();
     for root in program.roots() {
         if values.len() > MOST_VALUES {
@@ -152,12 +152,12 @@ fn every(alone: &mut StandaloneRun, program: &Program) -> Vec<(String, Shown)> {
 }
 
 /// Members, and elements that have members, each under its own path.
-fn flat(path: &str, shown: &Shown, values: &mut Vec<(String, Shown)>) {
+fn flat(path: &str, shown: &ShownVariable, values: &mut Vec<(String, ShownVariable)>) {
     match shown {
-        Shown::Members(members) => {
+        ShownVariable::Members(members) => {
             members.iter().for_each(|(name, member)| flat(&format!("{path}.{name}"), member, values));
         }
-        Shown::Array(elements, more) if has_members(shown) => {
+        ShownVariable::Array(elements, more) if has_members(shown) => {
             elements.iter().for_each(|(index, element)| flat(&format!("{path}{index}"), element, values));
             if *more > 0 {
                 output::note(&format!("{path} has {more} more elements: name them with --print"));
@@ -167,27 +167,29 @@ fn flat(path: &str, shown: &Shown, values: &mut Vec<(String, Shown)>) {
     }
 }
 
-fn has_members(shown: &Shown) -> bool {
+fn has_members(shown: &ShownVariable) -> bool {
     match shown {
-        Shown::Members(_) => true,
-        Shown::Array(elements, _) => elements.first().is_some_and(|(_, element)| has_members(element)),
+        ShownVariable::Members(_) => true,
+        ShownVariable::Array(elements, _) => {
+            elements.first().is_some_and(|(_, element)| has_members(element))
+        }
         _ => false,
     }
 }
 
 /// A value for a program: numbers as numbers, durations in nanoseconds, dates and texts as texts, enumerations by
 /// their names.
-fn to_json(shown: &Shown) -> Json {
+fn to_json(shown: &ShownVariable) -> Json {
     match shown {
-        Shown::Value(_, ty) if ty.is_date() || ty.is_char() || is_time_of_day(*ty) => {
+        ShownVariable::Value(_, ty) if ty.is_date() || ty.is_char() || is_time_of_day(*ty) => {
             shown.to_string().trim_matches(['\'', '"']).into()
         }
-        Shown::Value(value, _) | Shown::Named(None, value) => number(*value),
-        Shown::Named(Some(name), _) => name.as_str().into(),
-        Shown::Text(text) => text.as_str().into(),
-        Shown::Address(address) => (*address).into(),
-        Shown::Array(elements, _) => elements.iter().map(|(_, element)| to_json(element)).collect(),
-        Shown::Members(members) => {
+        ShownVariable::Value(value, _) | ShownVariable::Named(None, value) => number(*value),
+        ShownVariable::Named(Some(name), _) => name.as_str().into(),
+        ShownVariable::Text(text) => text.as_str().into(),
+        ShownVariable::Address(address) => (*address).into(),
+        ShownVariable::Array(elements, _) => elements.iter().map(|(_, element)| to_json(element)).collect(),
+        ShownVariable::Members(members) => {
             let members = members.iter().map(|(name, member)| (name.clone(), to_json(member)));
             Json::Object(members.collect())
         }

@@ -3,7 +3,7 @@
 mod merge;
 mod waves;
 
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use crate::saved_runs::report_folder::{ReportFolder, ReportFormat};
 use crate::saved_runs::{self, SavedRun};
@@ -30,14 +30,14 @@ pub struct ReportArgs {
 }
 
 /// Draws reports.
-pub fn run(args: &ReportArgs) -> Exit {
+pub fn run(args: &ReportArgs) -> ExitStatus {
     draw(args).unwrap_or_else(|found| {
         output::findings(&found, &[]);
-        Exit::UserFiles
+        ExitStatus::UserFiles
     })
 }
 
-fn draw(args: &ReportArgs) -> Result<Exit, Vec<Diagnostic>> {
+fn draw(args: &ReportArgs) -> Result<ExitStatus, Vec<Diagnostic>> {
     let forms = if args.format.is_empty() { ReportFormat::value_variants() } else { &args.format };
     if args.merge {
         return merge_all(args, forms);
@@ -60,10 +60,10 @@ fn draw(args: &ReportArgs) -> Result<Exit, Vec<Diagnostic>> {
     }
     store.reports(&run.record, forms).map_err(unwritten)?;
     print_written(&store, forms);
-    Ok(Exit::Passed)
+    Ok(ExitStatus::Passed)
 }
 
-fn merge_all(args: &ReportArgs, forms: &[ReportFormat]) -> Result<Exit, Vec<Diagnostic>> {
+fn merge_all(args: &ReportArgs, forms: &[ReportFormat]) -> Result<ExitStatus, Vec<Diagnostic>> {
     let mut found = Vec::new();
     let mut parts: Vec<SavedRun> = Vec::new();
     for path in &args.runs {
@@ -85,7 +85,7 @@ fn merge_all(args: &ReportArgs, forms: &[ReportFormat]) -> Result<Exit, Vec<Diag
     let style = reports::text::Style { color: output::color_out(), quiet: false };
     output::print(&format!("{}\n", reports::text::summary(&whole, style).trim_end()));
     print_written(&store, forms);
-    Ok(Exit::of(whole.verdict()))
+    Ok(ExitStatus::of(whole.verdict()))
 }
 
 /// Says where the page is, or whatever was drawn first.

@@ -9,7 +9,7 @@ use document::Diagnostic;
 use drivers::{BoardFile, OnDisconnect};
 use runtime::live::{LiveRig, PlanSource};
 use runtime::suite::{Disk, FileSource};
-use services::control::{Limits, Serving, Settings};
+use services::control::{ClientLimits, Serving, SocketSettings};
 use std::path::{Path, PathBuf};
 
 /// Where a service manager says that what lasts is kept.
@@ -71,13 +71,13 @@ pub fn serve(args: &ControlArgs, board: &BoardFile, rig: LiveRig) -> Result<Opti
     }
 }
 
-fn settings(args: &ControlArgs, board: &BoardFile, socket: PathBuf) -> Settings {
+fn settings(args: &ControlArgs, board: &BoardFile, socket: PathBuf) -> SocketSettings {
     let said = &board.control;
-    let usual = Settings::of(socket);
+    let usual = SocketSettings::of(socket);
     // A service may have several folders; the first is its own.
     let kept =
         || std::env::split_paths(&std::env::var_os(STATE)?).next().filter(|folder| folder.is_absolute());
-    Settings {
+    SocketSettings {
         group: said.group.clone(),
         on_disconnect: match said.on_disconnect {
             OnDisconnect::Keep => services::control::OnDisconnect::Keep,
@@ -85,7 +85,10 @@ fn settings(args: &ControlArgs, board: &BoardFile, socket: PathBuf) -> Settings 
             OnDisconnect::Stop => services::control::OnDisconnect::Stop,
         },
         state: args.state.clone().or_else(kept),
-        limits: Limits { clients: said.clients.map_or(usual.limits.clients, usize::from), ..usual.limits },
+        limits: ClientLimits {
+            clients: said.clients.map_or(usual.limits.clients, usize::from),
+            ..usual.limits
+        },
         ..usual
     }
 }

@@ -1,6 +1,6 @@
 //! `rig run`: the modelled controller kept running on a board.
 
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use crate::plan_files::library::ShippedFiles;
 use control_socket::{ControlArgs, HostPlans, serve};
@@ -73,18 +73,18 @@ pub struct RunArgs {
 }
 
 /// Keeps a controller running.
-pub fn run(args: &RunArgs) -> Exit {
+pub fn run(args: &RunArgs) -> ExitStatus {
     let mut sources = Vec::new();
     match try_run(args, &mut sources) {
         Ok(exit) => exit,
         Err(found) => {
             output::findings(&found, &sources);
-            Exit::UserFiles
+            ExitStatus::UserFiles
         }
     }
 }
 
-fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<Exit, Vec<Diagnostic>> {
+fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<ExitStatus, Vec<Diagnostic>> {
     let lasts = args.duration.as_deref().map(duration).transpose().map_err(|found| vec![found])?;
     let stepped = args.control.is_stepped().map_err(|found| vec![found])?;
     let board = suite::load_board(&Disk, &args.board.to_string_lossy(), sources)?;
@@ -102,7 +102,7 @@ fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<Exit, Vec<Di
     };
     if let Err(error) = ctrlc::set_handler(interrupted) {
         output::error(&format!("interrupts cannot be caught: {error}"));
-        return Ok(Exit::Error);
+        return Ok(ExitStatus::Error);
     }
     let lock = match args.wait.take(&board.0, &INTERRUPT) {
         Ok(lock) => lock,
@@ -139,7 +139,7 @@ fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<Exit, Vec<Di
         Ok(played) => Ok(end(&played?, &notifier)),
         Err(_) => {
             // The panic has printed its words.
-            Ok(Exit::Error)
+            Ok(ExitStatus::Error)
         }
     }
 }
@@ -237,7 +237,7 @@ fn show(events: &Receiver<SoftPlcEvent>, notifier: &ServiceNotifier) {
 }
 
 /// Prints the summary, and returns how the command ends: an interrupt is how a controller that is kept running stops.
-fn end(played: &SoftPlcReport, notifier: &ServiceNotifier) -> Exit {
+fn end(played: &SoftPlcReport, notifier: &ServiceNotifier) -> ExitStatus {
     let lasted = seconds(played.report.closed);
     let milliseconds = |span: Span| span.as_nanos() as f64 / 1e6;
     let (late, outputs) = (milliseconds(played.late), milliseconds(played.report.late_outputs));
@@ -258,8 +258,8 @@ fn end(played: &SoftPlcReport, notifier: &ServiceNotifier) -> Exit {
         Some(fault) => {
             output::error(fault);
             notifier.status(fault);
-            Exit::Error
+            ExitStatus::Error
         }
-        None => Exit::Passed,
+        None => ExitStatus::Passed,
     }
 }

@@ -1,15 +1,15 @@
 //! Where a run came from.
 
-use host::{Machine, Preemption};
-use record::{Clock, Provenance};
+use host::{HostMachine, Preemption};
+use record::{Provenance, RunClock};
 use sha2::{Digest, Sha256};
 use signal::calendar::rfc3339;
 use std::io::Read;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// The provenance of a run that begins now.
-pub fn now(seed: u64, clock: Clock) -> Provenance {
-    let machine = Machine::here();
+pub fn now(seed: u64, clock: RunClock) -> Provenance {
+    let machine = HostMachine::here();
     let since = SystemTime::now().duration_since(UNIX_EPOCH).ok();
     Provenance {
         binary_sha256: binary_sha256().unwrap_or_default(),
@@ -26,7 +26,7 @@ pub fn now(seed: u64, clock: Clock) -> Provenance {
 }
 
 /// What else of the host the figures of a run depend on.
-fn environment(machine: &Machine) -> Vec<(String, String)> {
+fn environment(machine: &HostMachine) -> Vec<(String, String)> {
     let named = |name: &str, text: Option<String>| {
         text.filter(|text| !text.is_empty()).map(|text| (name.to_owned(), text))
     };
@@ -55,7 +55,7 @@ fn environment(machine: &Machine) -> Vec<(String, String)> {
 }
 
 /// Which kind of kernel this is, as far as it reports.
-fn real_time(machine: &Machine) -> &'static str {
+fn real_time(machine: &HostMachine) -> &'static str {
     match machine.preemption() {
         Preemption::Realtime => "PREEMPT_RT",
         Preemption::Xenomai => "Xenomai",

@@ -128,12 +128,12 @@ enum TokenKind {
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Token {
+struct NameToken {
     at: usize,
     kind: TokenKind,
 }
 
-fn tokens(text: &str) -> Result<Vec<Token>, SelectionError> {
+fn tokens(text: &str) -> Result<Vec<NameToken>, SelectionError> {
     let mut tokens = Vec::new();
     let mut chars = text.char_indices().peekable();
     while let Some((at, c)) = chars.next() {
@@ -171,25 +171,26 @@ fn tokens(text: &str) -> Result<Vec<Token>, SelectionError> {
                 TokenKind::Word(word)
             }
         };
-        tokens.push(Token { at, kind });
+        tokens.push(NameToken { at, kind });
     }
     Ok(tokens)
 }
 
 struct SelectionParser<'a> {
-    tokens: &'a [Token],
+    tokens: &'a [NameToken],
     at: usize,
     end: usize,
     depth: usize,
 }
 
 impl<'a> SelectionParser<'a> {
-    fn peek(&self) -> Option<&'a Token> {
+    fn peek(&self) -> Option<&'a NameToken> {
         self.tokens.get(self.at)
     }
 
     fn takes(&mut self, word: &str) -> bool {
-        let found = matches!(self.peek(), Some(Token { kind: TokenKind::Word(next), .. }) if next == word);
+        let found =
+            matches!(self.peek(), Some(NameToken { kind: TokenKind::Word(next), .. }) if next == word);
         self.at += usize::from(found);
         found
     }
@@ -207,8 +208,8 @@ impl<'a> SelectionParser<'a> {
         loop {
             let joined = self.takes("and");
             let stops = match self.peek() {
-                None | Some(Token { kind: TokenKind::Close, .. }) => true,
-                Some(Token { kind: TokenKind::Word(word), .. }) => word == "or",
+                None | Some(NameToken { kind: TokenKind::Close, .. }) => true,
+                Some(NameToken { kind: TokenKind::Word(word), .. }) => word == "or",
                 _ => false,
             };
             if stops && !joined {
@@ -231,7 +232,7 @@ impl<'a> SelectionParser<'a> {
             TokenKind::Open => {
                 let inner = self.expression()?;
                 match self.peek() {
-                    Some(Token { kind: TokenKind::Close, .. }) => self.at += 1,
+                    Some(NameToken { kind: TokenKind::Close, .. }) => self.at += 1,
                     _ => {
                         return Err(SelectionError { at: token.at, message: "this bracket is never closed" });
                     }

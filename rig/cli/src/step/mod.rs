@@ -2,7 +2,7 @@
 
 mod shell;
 
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use crate::plan_files::load::{LoadRequest, load};
 use crate::selection::{CaseFacts, Selection};
@@ -40,11 +40,11 @@ pub struct StepArgs {
 }
 
 /// Goes through a case.
-pub fn run(args: &StepArgs) -> Exit {
+pub fn run(args: &StepArgs) -> ExitStatus {
     try_run(args).unwrap_or_else(|exit| exit)
 }
 
-fn try_run(args: &StepArgs) -> Result<Exit, Exit> {
+fn try_run(args: &StepArgs) -> Result<ExitStatus, ExitStatus> {
     let mut sources = Vec::new();
     let plans = [args.plan.clone()];
     let wanted =
@@ -53,13 +53,13 @@ fn try_run(args: &StepArgs) -> Result<Exit, Exit> {
     let (plan, job) = choose(args, &loaded)?;
     let refuse = |found: Vec<Diagnostic>| {
         output::findings(&found, &sources);
-        Exit::UserFiles
+        ExitStatus::UserFiles
     };
     let Some(case) = plan.plan.case(job.case) else { return Err(refuse(Vec::new())) };
     let files = plan.files(&case, &job).map_err(refuse)?;
     if let Err(error) = ctrlc::set_handler(|| INTERRUPT.store(true, Ordering::Relaxed)) {
         output::error(&format!("interrupts cannot be caught: {error}"));
-        return Err(Exit::Error);
+        return Err(ExitStatus::Error);
     }
     let guarded = files.guarded(&case).map_err(refuse)?;
     let mut shell = StepShell::new(&guarded);
@@ -67,21 +67,21 @@ fn try_run(args: &StepArgs) -> Result<Exit, Exit> {
     let result = step_case(&case, &files, &options, Some(&mut shell)).map_err(refuse)?;
     if shell.has_quit() || INTERRUPT.load(Ordering::Relaxed) {
         output::print("quit: the outputs are safe\n");
-        return Ok(Exit::Interrupted);
+        return Ok(ExitStatus::Interrupted);
     }
     let style = Style { color: output::color_out(), quiet: false };
     let (line, details) = (case_line(&result.record, style), details(&result.record, style));
     output::print(&format!("{}\n{details}  trace  {}\n", line.trim_end(), result.record.trace_sha256));
-    Ok(Exit::of(result.record.verdict))
+    Ok(ExitStatus::of(result.record.verdict))
 }
 
 /// The one case that is meant.
-fn choose<'a>(args: &StepArgs, loaded: &'a [LoadedPlan]) -> Result<(&'a LoadedPlan, Job), Exit> {
+fn choose<'a>(args: &StepArgs, loaded: &'a [LoadedPlan]) -> Result<(&'a LoadedPlan, Job), ExitStatus> {
     let selection = match &args.only {
         None => Selection::All,
         Some(expression) => Selection::parse(expression).map_err(|error| {
             output::error(&format!("--only {expression}: {error}"));
-            Exit::UserFiles
+            ExitStatus::UserFiles
         })?,
     };
     let jobs = loaded.iter().enumerate().flat_map(|(place, plan)| plan.jobs(place, args.seed, 1));
@@ -103,7 +103,7 @@ fn choose<'a>(args: &StepArgs, loaded: &'a [LoadedPlan]) -> Result<(&'a LoadedPl
             format!("say which with --only: {list}{more}")
         };
         output::findings(&[found.help(help)], &[]);
-        return Err(Exit::UserFiles);
+        return Err(ExitStatus::UserFiles);
     }
     let job = jobs.remove(0);
     Ok((&loaded[job.plan], job))

@@ -7,7 +7,7 @@ use record::Verdict;
 use reports::text::clean;
 use runtime::describe;
 use runtime::stepping::{Pause, StepTarget, Stepper};
-use signal::{Kind, SignalInfo, Span, Time, Trace};
+use signal::{SignalInfo, Span, Time, Trace, ValueKind};
 use std::io::{BufRead, IsTerminal};
 
 /// The commands, as `--help` and `help` list them.
@@ -112,7 +112,7 @@ impl<'a> StepShell<'a> {
     /// The signals of the plan, and since when they are what they are.
     fn values(&self, pause: &Pause<'_>) {
         let signals: Vec<&SignalInfo> =
-            pause.trace.signals().iter().filter(|info| info.kind != Kind::Mark).collect();
+            pause.trace.signals().iter().filter(|info| info.kind != ValueKind::Mark).collect();
         let width = signals.iter().map(|info| info.name.chars().count()).max().unwrap_or(0);
         for info in signals {
             output::print(&format!("  {:<width$}  {}\n", clean(&info.name), value(info, pause)));

@@ -1,7 +1,7 @@
 //! The cases that run, out of all that the plans have.
 
 use super::args::TestArgs;
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use crate::selection::{CaseFacts, Selection};
 use runtime::suite::{Job, LoadedPlan};
@@ -13,12 +13,12 @@ const MOST_CASES: u64 = 10 * record::MAX_CASES as u64;
 ///
 /// # Errors
 /// How the command ends; why is printed.
-pub fn choose(args: &TestArgs, loaded: &[LoadedPlan]) -> Result<Vec<Job>, Exit> {
+pub fn choose(args: &TestArgs, loaded: &[LoadedPlan]) -> Result<Vec<Job>, ExitStatus> {
     let selection = match &args.only {
         None => Selection::All,
         Some(expression) => Selection::parse(expression).map_err(|error| {
             output::error(&format!("--only {expression}: {error}"));
-            Exit::UserFiles
+            ExitStatus::UserFiles
         })?,
     };
     // Those that are looked through, and those that run: each within what the memory and a record hold.
@@ -33,7 +33,7 @@ pub fn choose(args: &TestArgs, loaded: &[LoadedPlan]) -> Result<Vec<Job>, Exit> 
     }
     if jobs.is_empty() {
         output::error("no case is selected");
-        return Err(Exit::UserFiles);
+        return Err(ExitStatus::UserFiles);
     }
     if jobs.len() > record::MAX_CASES {
         return Err(too_many());
@@ -42,12 +42,12 @@ pub fn choose(args: &TestArgs, loaded: &[LoadedPlan]) -> Result<Vec<Job>, Exit> 
     names.sort_unstable();
     if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
         output::error(&format!("two cases have the name {}: a plan is given twice", twice[0]));
-        return Err(Exit::UserFiles);
+        return Err(ExitStatus::UserFiles);
     }
     Ok(jobs)
 }
 
-fn too_many() -> Exit {
+fn too_many() -> ExitStatus {
     output::error(&format!("more than {} cases: select fewer, or repeat them less often", record::MAX_CASES));
-    Exit::UserFiles
+    ExitStatus::UserFiles
 }

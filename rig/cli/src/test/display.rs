@@ -16,7 +16,7 @@ pub struct DisplayArgs {
     pub status_level: Option<StatusLevel>,
     /// Whether to draw a progress bar on standard error.
     #[arg(long, value_enum, value_name = "WHEN", default_value_t)]
-    pub progress: Progress,
+    pub progress: ProgressMode,
     /// A case that takes longer than this on the host is reported as slow.
     #[arg(long, value_name = "TIME", default_value = "10 s", value_parser = duration)]
     pub slow: Duration,
@@ -72,7 +72,7 @@ impl StatusLevel {
 
 /// When to draw a progress bar.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Progress {
+pub enum ProgressMode {
     /// On a terminal, unless the variable CI is set.
     #[default]
     Auto,

@@ -5,7 +5,7 @@ use super::args::{ClockChoice, TestArgs};
 use super::display::TraceOn;
 use super::observer::RunObserver;
 use super::reporting::{ReportingArgs, SuitePart};
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::operator::TerminalOperator;
 use crate::saved_runs::provenance;
 use crate::saved_runs::report_folder::ReportFolder;
@@ -35,20 +35,20 @@ pub fn execute(
     part: SuitePart,
     sources: &[SourceFile],
     observer: &mut dyn RunObserver,
-) -> Result<Exit, Exit> {
+) -> Result<ExitStatus, ExitStatus> {
     let asks = jobs.iter().any(|job| job.asks);
     let operator = TerminalOperator::if_present();
     if let Some(found) = suite::unanswerable(loaded, jobs).filter(|_| operator.is_none()) {
         output::findings(&[found], sources);
-        return Err(Exit::UserFiles);
+        return Err(ExitStatus::UserFiles);
     }
     output::findings(real_boards::program_not_loaded(loaded).as_slice(), sources);
     let hardware = hardware(args, loaded, jobs, sources)?;
     let real = hardware.is_some() || args.clock == Some(ClockChoice::Real);
-    let clock = if real { record::Clock::Real } else { record::Clock::Virtual };
+    let clock = if real { record::RunClock::Real } else { record::RunClock::Virtual };
     let folder = args.report.as_deref().map(ReportFolder::new).transpose().map_err(|error| {
         output::error(&error);
-        Exit::UserFiles
+        ExitStatus::UserFiles
     })?;
     // One question at a time.
     let at_once = if asks { 1 } else { at_once(args, real).min(jobs.len()) };
@@ -90,10 +90,10 @@ fn hardware(
     loaded: &[LoadedPlan],
     jobs: &[Job],
     sources: &[SourceFile],
-) -> Result<Option<Hardware>, Exit> {
+) -> Result<Option<Hardware>, ExitStatus> {
     let refused = |found: &[Diagnostic]| {
         output::findings(found, sources);
-        Exit::UserFiles
+        ExitStatus::UserFiles
     };
     let Some(board) = real_boards::real_board(loaded, jobs).map_err(|found| refused(&[found]))? else {
         return Ok(None);
@@ -107,7 +107,7 @@ fn hardware(
     output::findings(&hardware.warnings(), sources);
     if let Err(found) = hardware.check(board.check, &INTERRUPT) {
         output::findings(found.as_slice(), sources);
-        return Err(if found.is_some() { Exit::Error } else { Exit::Interrupted });
+        return Err(if found.is_some() { ExitStatus::Error } else { ExitStatus::Interrupted });
     }
     Ok(Some(hardware))
 }
@@ -190,7 +190,7 @@ impl RunCollector {
     }
 
     /// Writes the reports, reports the end, and returns how the command ends.
-    fn finish(mut self, observer: &mut dyn RunObserver) -> Exit {
+    fn finish(mut self, observer: &mut dyn RunObserver) -> ExitStatus {
         self.run.coverage =
             if self.run.shard.is_some() { self.coverage.part() } else { self.coverage.record() };
         self.run.host_ms = u64::try_from(self.began.elapsed().as_millis()).unwrap_or(u64::MAX);
@@ -202,12 +202,12 @@ impl RunCollector {
         observer.run_finished(&self.run, page.as_deref());
         if let Some(found) = self.trouble {
             output::findings(&[found], &[]);
-            return Exit::Error;
+            return ExitStatus::Error;
         }
         if INTERRUPT.load(Ordering::Relaxed) {
-            return Exit::Interrupted;
+            return ExitStatus::Interrupted;
         }
-        if self.wrong_files { Exit::UserFiles } else { Exit::of(self.run.verdict()) }
+        if self.wrong_files { ExitStatus::UserFiles } else { ExitStatus::of(self.run.verdict()) }
     }
 }
 

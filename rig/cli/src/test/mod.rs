@@ -11,11 +11,11 @@ mod progress_display;
 mod reporting;
 mod text_output;
 
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::output;
 use crate::plan_files::load::{self, LoadRequest};
 pub use args::TestArgs;
-use display::{Progress, TestOutput};
+use display::{ProgressMode, TestOutput};
 use json_events::JsonEvents;
 use observer::RunObserver;
 use reporting::SuitePart;
@@ -27,11 +27,11 @@ use text_output::TextOutput;
 static INTERRUPT: AtomicBool = AtomicBool::new(false);
 
 /// Runs plans.
-pub fn run(args: &TestArgs) -> Exit {
+pub fn run(args: &TestArgs) -> ExitStatus {
     try_run(args).unwrap_or_else(|exit| exit)
 }
 
-fn try_run(args: &TestArgs) -> Result<Exit, Exit> {
+fn try_run(args: &TestArgs) -> Result<ExitStatus, ExitStatus> {
     let mut sources = Vec::new();
     let wanted = LoadRequest {
         plans: &args.plans,
@@ -44,16 +44,16 @@ fn try_run(args: &TestArgs) -> Result<Exit, Exit> {
     let (jobs, part) = SuitePart::of(&args.reporting, &loaded, chosen)?;
     if args.list {
         list(&jobs, args.display.format);
-        return Ok(Exit::Passed);
+        return Ok(ExitStatus::Passed);
     }
     if let Err(error) = ctrlc::set_handler(|| INTERRUPT.store(true, Ordering::Relaxed)) {
         output::error(&format!("interrupts cannot be caught: {error}"));
-        return Err(Exit::Error);
+        return Err(ExitStatus::Error);
     }
     let mut display = args.display.clone();
     if jobs.iter().any(|job| job.asks) {
         // A bar and a question would write over each other.
-        display.progress = Progress::None;
+        display.progress = ProgressMode::None;
     }
     let mut observer: Box<dyn RunObserver> = match args.display.format {
         TestOutput::Text => Box::new(TextOutput::new(&display)),

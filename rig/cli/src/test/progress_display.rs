@@ -1,6 +1,6 @@
 //! The progress bar, and lines that are printed above it.
 
-use super::display::Progress;
+use super::display::ProgressMode;
 use super::estimate::{Estimate, words};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -22,13 +22,13 @@ pub struct ProgressDisplay {
 
 impl ProgressDisplay {
     /// A bar where the user and the terminal take one.
-    pub fn new(progress: Progress) -> ProgressDisplay {
+    pub fn new(progress: ProgressMode) -> ProgressDisplay {
         let terminal = std::io::stderr().is_terminal();
         let ci = std::env::var_os("CI").is_some_and(|value| !value.is_empty());
         let wanted = match progress {
-            Progress::Auto => terminal && !ci,
-            Progress::Bar => terminal,
-            Progress::None => false,
+            ProgressMode::Auto => terminal && !ci,
+            ProgressMode::Bar => terminal,
+            ProgressMode::None => false,
         };
         let bar = wanted.then(|| {
             let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());

@@ -1,6 +1,6 @@
 //! What a run writes: its reports, a summary, an entry of a history; and which part of the suite it is.
 
-use crate::exit::Exit;
+use crate::exit::ExitStatus;
 use crate::saved_runs::report_folder::{ReportFolder, ReportFormat};
 use crate::selection::shard::{self, Shard};
 use crate::{files, history, output};
@@ -68,10 +68,10 @@ impl SuitePart {
         args: &ReportingArgs,
         loaded: &[LoadedPlan],
         jobs: Vec<Job>,
-    ) -> Result<(Vec<Job>, SuitePart), Exit> {
+    ) -> Result<(Vec<Job>, SuitePart), ExitStatus> {
         let shard = args.shard.as_deref().map(Shard::parse).transpose().map_err(|found| {
             output::findings(&[found], &[]);
-            Exit::UserFiles
+            ExitStatus::UserFiles
         })?;
         let selection_sha256 = shard::sha256(loaded, &jobs);
         let part = SuitePart { shard: shard.map(Shard::record), selection_sha256 };

@@ -1,6 +1,6 @@
 //! What can go wrong between a client and its rig.
 
-use crate::{Fault, PROTOCOL};
+use crate::{PROTOCOL, RequestFault};
 use std::fmt;
 use std::io::ErrorKind;
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use std::time::Duration;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ClientError {
     /// The rig refused the request, or the connection, with its own code.
-    Refused(Fault),
+    Refused(RequestFault),
     /// There is no rig; these folders were searched.
     NoRig(Vec<PathBuf>),
     /// Nobody said which of these rigs is meant.
@@ -33,8 +33,8 @@ pub enum ClientError {
 
 impl ClientError {
     /// The error as a rig would report it: code, message and help.
-    pub fn fault(&self) -> Fault {
-        let fault = |code: &str, message: String, help: &str| Fault {
+    pub fn fault(&self) -> RequestFault {
+        let fault = |code: &str, message: String, help: &str| RequestFault {
             code: code.to_owned(),
             message,
             help: help.to_owned(),

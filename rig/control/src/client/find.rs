@@ -1,6 +1,6 @@
 //! Rigs that run on this machine.
 
-use super::{Client, ClientError};
+use super::{ClientError, ControlClient};
 use crate::place;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -10,7 +10,7 @@ const GLANCE: Duration = Duration::from_secs(2);
 
 /// The rigs that run, in the order of the folders and of their names; nothing is said to them yet. A rig that takes
 /// nobody more is none of them.
-pub fn running() -> Vec<Client> {
+pub fn running() -> Vec<ControlClient> {
     answering(&place::folders())
 }
 
@@ -18,7 +18,7 @@ pub fn running() -> Vec<Client> {
 ///
 /// # Errors
 /// None, or several.
-pub fn only() -> Result<Client, ClientError> {
+pub fn only() -> Result<ControlClient, ClientError> {
     let folders = place::folders();
     let mut rigs = answering(&folders);
     match (rigs.pop(), rigs.is_empty()) {
@@ -38,7 +38,7 @@ pub fn by_name(board: &Path) -> PathBuf {
     found.unwrap_or_else(|| place::default_socket(board))
 }
 
-fn answering(folders: &[PathBuf]) -> Vec<Client> {
+fn answering(folders: &[PathBuf]) -> Vec<ControlClient> {
     let mut found = Vec::new();
     for folder in folders {
         let Ok(entries) = std::fs::read_dir(folder) else { continue };
@@ -47,7 +47,7 @@ fn answering(folders: &[PathBuf]) -> Vec<Client> {
             .filter(|path| place::is_socket_name(path))
             .collect();
         sockets.sort();
-        found.extend(sockets.iter().filter_map(|socket| Client::meet(socket, GLANCE).ok()));
+        found.extend(sockets.iter().filter_map(|socket| ControlClient::meet(socket, GLANCE).ok()));
     }
     found
 }

@@ -36,7 +36,7 @@ impl LineError {
 
 /// The lines of a stream.
 #[derive(Debug)]
-pub struct Lines {
+pub struct LineStream {
     stream: UnixStream,
     bytes: Vec<u8>,
     /// Where the next line begins.
@@ -45,10 +45,10 @@ pub struct Lines {
     seen: usize,
 }
 
-impl Lines {
+impl LineStream {
     /// Of this stream.
-    pub fn new(stream: UnixStream) -> Lines {
-        Lines { stream, bytes: Vec::new(), begin: 0, seen: 0 }
+    pub fn new(stream: UnixStream) -> LineStream {
+        LineStream { stream, bytes: Vec::new(), begin: 0, seen: 0 }
     }
 
     /// The next line without its end; `None` where there is none by this instant.

@@ -1,4 +1,4 @@
-//! A client that waits for its answers: [`Client`] for whoever asks one thing after the other, and [`Client::split`] for
+//! A client that waits for its answers: [`ControlClient`] for whoever asks one thing after the other, and [`ControlClient::split`] for
 //! whoever listens in one thread and asks from another.
 
 mod error;
@@ -8,8 +8,8 @@ mod lines;
 pub use error::ClientError;
 pub use find::{by_name, only, running};
 
-use crate::{Done, Event, Greeting, Message, Operation, PROTOCOL, Reply, Request};
-use lines::Lines;
+use crate::{Done, Greeting, PROTOCOL, Reply, Request, RequestOperation, ServerMessage, SubscriptionEvent};
+use lines::LineStream;
 use serde::de::DeserializeOwned;
 use std::collections::VecDeque;
 use std::io::Write;
@@ -26,11 +26,11 @@ const MOST_ASIDE: usize = 65_536;
 
 /// A connection to a rig.
 #[derive(Debug)]
-pub struct Client {
+pub struct ControlClient {
     sender: Sender,
-    receiver: Receiver,
+    receiver: ControlReceiver,
     greeting: Greeting,
-    aside: VecDeque<Event>,
+    aside: VecDeque<SubscriptionEvent>,
     unseen: u64,
 }
 
@@ -44,18 +44,18 @@ pub struct Sender {
 
 /// The half that listens.
 #[derive(Debug)]
-pub struct Receiver {
-    lines: Lines,
+pub struct ControlReceiver {
+    lines: LineStream,
     socket: PathBuf,
 }
 
-impl Client {
+impl ControlClient {
     /// Connects to a rig, looks at its greeting and says hello under this name.
     ///
     /// # Errors
     /// No rig there, one of another protocol, or one that takes nobody more.
-    pub fn connect(socket: &Path, name: &str) -> Result<Client, ClientError> {
-        let mut client = Client::meet(socket, PATIENCE)?;
+    pub fn connect(socket: &Path, name: &str) -> Result<ControlClient, ClientError> {
+        let mut client = ControlClient::meet(socket, PATIENCE)?;
         client.hello(name)?;
         Ok(client)
     }
@@ -63,24 +63,24 @@ impl Client {
     /// Says who asks: the rig's log and its status name it.
     ///
     /// # Errors
-    /// See [`Client::ask`].
+    /// See [`ControlClient::ask`].
     pub fn hello(&mut self, name: &str) -> Result<(), ClientError> {
-        self.ask::<Done>(Operation::Hello { protocol: PROTOCOL, name: name.to_owned() }).map(|_| ())
+        self.ask::<Done>(RequestOperation::Hello { protocol: PROTOCOL, name: name.to_owned() }).map(|_| ())
     }
 
     /// Connects and looks at the greeting, and says nothing.
     ///
     /// # Errors
-    /// See [`Client::connect`].
-    pub fn meet(socket: &Path, patience: Duration) -> Result<Client, ClientError> {
+    /// See [`ControlClient::connect`].
+    pub fn meet(socket: &Path, patience: Duration) -> Result<ControlClient, ClientError> {
         let unreachable = |error: std::io::Error| ClientError::Unreachable(socket.to_owned(), error.kind());
         let stream = UnixStream::connect(socket).map_err(unreachable)?;
         stream.set_write_timeout(Some(PATIENCE)).map_err(unreachable)?;
         let write = stream.try_clone().map_err(unreachable)?;
-        let mut receiver = Receiver { lines: Lines::new(stream), socket: socket.to_owned() };
+        let mut receiver = ControlReceiver { lines: LineStream::new(stream), socket: socket.to_owned() };
         let greeting = receiver.greeting(patience)?;
         let sender = Sender { stream: write, socket: socket.to_owned(), asked: 0 };
-        Ok(Client { sender, receiver, greeting, aside: VecDeque::new(), unseen: 0 })
+        Ok(ControlClient { sender, receiver, greeting, aside: VecDeque::new(), unseen: 0 })
     }
 
     /// What the rig said first.
@@ -93,21 +93,21 @@ impl Client {
         &self.receiver.socket
     }
 
-    /// Asks, and waits for the answer. Events that come before it are kept for [`Client::next`].
+    /// Asks, and waits for the answer. Events that come before it are kept for [`ControlClient::next`].
     ///
     /// # Errors
     /// What the rig refuses, and whatever can become of a connection.
-    pub fn ask<T: DeserializeOwned>(&mut self, ask: Operation) -> Result<T, ClientError> {
+    pub fn ask<T: DeserializeOwned>(&mut self, ask: RequestOperation) -> Result<T, ClientError> {
         self.ask_within(ask, PATIENCE)
     }
 
     /// Asks what may take longer.
     ///
     /// # Errors
-    /// See [`Client::ask`].
+    /// See [`ControlClient::ask`].
     pub fn ask_within<T: DeserializeOwned>(
         &mut self,
-        ask: Operation,
+        ask: RequestOperation,
         patience: Duration,
     ) -> Result<T, ClientError> {
         let id = self.sender.send(ask)?;
@@ -115,18 +115,18 @@ impl Client {
         loop {
             let left = until.saturating_duration_since(Instant::now());
             match self.receiver.next(Some(left))? {
-                Some(Message::Reply(reply)) if reply.id == Some(id) => return answer(reply),
+                Some(ServerMessage::Reply(reply)) if reply.id == Some(id) => return answer(reply),
                 // An answer without a number is to a line that the rig could not read, and this client waits for one
                 // at a time; any other number is of an answer that was given up.
-                Some(Message::Reply(reply)) if reply.id.is_none() => return answer(reply),
-                Some(Message::Reply(_)) => {}
-                Some(Message::Event(event)) => self.put_aside(event),
+                Some(ServerMessage::Reply(reply)) if reply.id.is_none() => return answer(reply),
+                Some(ServerMessage::Reply(_)) => {}
+                Some(ServerMessage::Event(event)) => self.put_aside(event),
                 None => return Err(ClientError::Silent(self.receiver.socket.clone(), patience)),
             }
         }
     }
 
-    fn put_aside(&mut self, event: Event) {
+    fn put_aside(&mut self, event: SubscriptionEvent) {
         if self.aside.len() < MOST_ASIDE {
             self.aside.push_back(event);
         } else {
@@ -138,7 +138,7 @@ impl Client {
     ///
     /// # Errors
     /// A connection that is lost.
-    pub fn next(&mut self, patience: Duration) -> Result<Option<Event>, ClientError> {
+    pub fn next(&mut self, patience: Duration) -> Result<Option<SubscriptionEvent>, ClientError> {
         if let Some(event) = self.aside.pop_front() {
             return Ok(Some(event));
         }
@@ -146,8 +146,8 @@ impl Client {
         loop {
             let left = until.saturating_duration_since(Instant::now());
             match self.receiver.next(Some(left))? {
-                Some(Message::Event(event)) => return Ok(Some(event)),
-                Some(Message::Reply(_)) => {}
+                Some(ServerMessage::Event(event)) => return Ok(Some(event)),
+                Some(ServerMessage::Reply(_)) => {}
                 None => return Ok(None),
             }
         }
@@ -159,7 +159,7 @@ impl Client {
     }
 
     /// Both halves. What was put aside is lost: split before the first subscription.
-    pub fn split(self) -> (Sender, Receiver) {
+    pub fn split(self) -> (Sender, ControlReceiver) {
         (self.sender, self.receiver)
     }
 }
@@ -181,7 +181,7 @@ impl Sender {
     ///
     /// # Errors
     /// A rig that does not take it. The connection is of no use then: the request may be sent in part.
-    pub fn send(&mut self, ask: Operation) -> Result<u64, ClientError> {
+    pub fn send(&mut self, ask: RequestOperation) -> Result<u64, ClientError> {
         self.asked += 1;
         let request = Request { id: self.asked, ask };
         let mut line =
@@ -203,20 +203,22 @@ impl Sender {
     }
 }
 
-impl Receiver {
+impl ControlReceiver {
     /// The next message; `None` where none comes in this time. Waits for as long as it takes without one. Messages that
     /// are younger than this program are passed over.
     ///
     /// # Errors
     /// A connection that is lost, or that the rig ended.
-    pub fn next(&mut self, patience: Option<Duration>) -> Result<Option<Message>, ClientError> {
+    pub fn next(&mut self, patience: Option<Duration>) -> Result<Option<ServerMessage>, ClientError> {
         let until = patience.map(|patience| Instant::now() + patience);
         loop {
             let Some(line) = self.lines.next(until).map_err(|broken| broken.of(&self.socket))? else {
                 return Ok(None);
             };
-            match Message::read(line).map_err(|error| ClientError::Garbled(error.to_string()))? {
-                Some(Message::Event(Event::Gone { why })) => return Err(ClientError::Ended(why)),
+            match ServerMessage::read(line).map_err(|error| ClientError::Garbled(error.to_string()))? {
+                Some(ServerMessage::Event(SubscriptionEvent::Gone { why })) => {
+                    return Err(ClientError::Ended(why));
+                }
                 Some(message) => return Ok(Some(message)),
                 None => {}
             }
@@ -236,11 +238,13 @@ impl Receiver {
             }
             Ok(greeting) => Ok(greeting),
             // In place of a greeting: why it takes nobody more.
-            Err(_) => match Message::read(line) {
-                Ok(Some(Message::Reply(Reply { error: Some(fault), .. }))) => {
+            Err(_) => match ServerMessage::read(line) {
+                Ok(Some(ServerMessage::Reply(Reply { error: Some(fault), .. }))) => {
                     Err(ClientError::Refused(fault))
                 }
-                Ok(Some(Message::Event(Event::Gone { why }))) => Err(ClientError::Ended(why)),
+                Ok(Some(ServerMessage::Event(SubscriptionEvent::Gone { why }))) => {
+                    Err(ClientError::Ended(why))
+                }
                 _ => Err(ClientError::NotARig(self.socket.clone())),
             },
         }

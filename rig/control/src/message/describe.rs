@@ -22,7 +22,7 @@ pub struct Greeting {
 /// What makes time pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Clock {
+pub enum TimeSource {
     /// The host's clock.
     #[default]
     Real,
@@ -34,7 +34,7 @@ pub enum Clock {
 /// What is under test.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Subject {
+pub enum SubjectKind {
     /// The modelled controller.
     #[default]
     Model,
@@ -54,11 +54,11 @@ pub struct Description {
     /// The program files, as they were named.
     pub program: Vec<String>,
     /// What makes time pass.
-    pub clock: Clock,
+    pub clock: TimeSource,
     /// What is under test.
-    pub subject: Subject,
+    pub subject: SubjectKind,
     /// The terminals of the controller and the lines of the board, in the order in which they are shown.
-    pub points: Vec<Point>,
+    pub points: Vec<PointInfo>,
     /// Everything inside that has a name: variables, system variables, indicators, facts of functions. Addresses such
     /// as `%MW12` can be named besides.
     pub signals: Vec<Signal>,
@@ -90,7 +90,7 @@ impl Description {
 /// Which way a point goes, seen from the controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Direction {
+pub enum PointDirection {
     /// Into the controller.
     Input,
     /// Out of it.
@@ -101,7 +101,7 @@ pub enum Direction {
 
 /// A terminal of the controller, or a line of the board that has none.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Point {
+pub struct PointInfo {
     /// The terminal, as in `I0` or `Q4`, else the channel's name.
     pub name: String,
     /// Its address in the image, as in `%IX0.0`; none for a line without a terminal.
@@ -109,11 +109,11 @@ pub struct Point {
     /// The program's name for it, where a variable is located there.
     pub variable: Option<String>,
     /// Which way it goes.
-    pub direction: Direction,
+    pub direction: PointDirection,
     /// What it carries.
     pub kind: SignalKind,
     /// The channel of the board behind it; none where nothing is bound.
-    pub channel: Option<Channel>,
+    pub channel: Option<ChannelInfo>,
     /// The signal that shows its image, of the kind `kind`: what the program sees or wrote.
     pub image: Option<String>,
     /// Whether it can be forced.
@@ -122,7 +122,7 @@ pub struct Point {
 
 /// A channel of the board.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Channel {
+pub struct ChannelInfo {
     /// Its name in the board file. It names a signal, too: what is on the line.
     pub name: String,
     /// The unit of what is on the line; empty for a level or count.

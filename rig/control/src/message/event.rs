@@ -5,22 +5,22 @@ use crate::message::{PlanEvent, Status};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
-/// A line of a rig, after its greeting. [`Message::read`] reads it.
+/// A line of a rig, after its greeting. [`ServerMessage::read`] reads it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
-pub enum Message {
+pub enum ServerMessage {
     /// The answer to a request.
     Reply(Reply),
     /// Something of a subscription.
-    Event(Event),
+    Event(SubscriptionEvent),
 }
 
-impl Message {
+impl ServerMessage {
     /// Reads a line; `None` for an event of a kind that is not known here: rigs may be younger than their clients.
     ///
     /// # Errors
     /// What no rig sends.
-    pub fn read(line: &[u8]) -> Result<Option<Message>, serde_json::Error> {
+    pub fn read(line: &[u8]) -> Result<Option<ServerMessage>, serde_json::Error> {
         // Only this distinguishes an event from an answer, of which each field may be missing.
         #[derive(Deserialize)]
         struct Kind<'a> {
@@ -28,9 +28,9 @@ impl Message {
             event: Option<Cow<'a, str>>,
         }
         match serde_json::from_slice::<Kind<'_>>(line)?.event {
-            None => serde_json::from_slice(line).map(|reply| Some(Message::Reply(reply))),
-            Some(kind) if !Event::KINDS.contains(&&*kind) => Ok(None),
-            Some(_) => serde_json::from_slice(line).map(|event| Some(Message::Event(event))),
+            None => serde_json::from_slice(line).map(|reply| Some(ServerMessage::Reply(reply))),
+            Some(kind) if !SubscriptionEvent::KINDS.contains(&&*kind) => Ok(None),
+            Some(_) => serde_json::from_slice(line).map(|event| Some(ServerMessage::Event(event))),
         }
     }
 }
@@ -46,12 +46,12 @@ pub struct Reply {
     pub ok: Option<serde_json::Value>,
     /// Why it did not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub error: Option<Fault>,
+    pub error: Option<RequestFault>,
 }
 
 /// Why a request was not done.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Fault {
+pub struct RequestFault {
     /// The code, as `rig explain` knows it.
     pub code: String,
     /// What is wrong.
@@ -64,13 +64,13 @@ pub struct Fault {
 /// Something of a subscription.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "event", rename_all = "kebab-case")]
-pub enum Event {
+pub enum SubscriptionEvent {
     /// Signals changed.
     Signals {
         /// The subscription.
         subscription: u64,
         /// The changes in their order.
-        changes: Vec<Change>,
+        changes: Vec<SignalChange>,
         /// Changes that were not reported to this client since the last message, because it did not read in time.
         #[serde(default)]
         missed: u64,
@@ -120,14 +120,14 @@ pub enum Event {
     },
 }
 
-impl Event {
+impl SubscriptionEvent {
     /// The kinds of events, as lines name them.
     pub const KINDS: [&str; 7] = ["signals", "status", "log", "frame", "plan", "missed", "gone"];
 }
 
 /// A change of a signal: its number, the earliest and the latest instant in nanoseconds since the rig began, its value.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Change(pub u32, pub i64, pub i64, pub WireValue);
+pub struct SignalChange(pub u32, pub i64, pub i64, pub WireValue);
 
 /// A frame on a bus.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

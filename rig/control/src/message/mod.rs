@@ -8,13 +8,14 @@ mod request;
 mod status;
 
 pub use describe::{
-    BusInfo, Channel, Clock, Description, DeviceInfo, Direction, FunctionInfo, Greeting, Point, Signal,
-    SignalKind, Subject, TaskInfo,
+    BusInfo, ChannelInfo, Description, DeviceInfo, FunctionInfo, Greeting, PointDirection, PointInfo, Signal,
+    SignalKind, SubjectKind, TaskInfo, TimeSource,
 };
-pub use event::{Change, Event, Fault, FrameSeen, Message, Reply};
+pub use event::{FrameSeen, Reply, RequestFault, ServerMessage, SignalChange, SubscriptionEvent};
 pub use plan::{Measured, PlanEvent, PlanStatus};
-pub use reply::{Advanced, Done, LogLine, Plans, Subscribed, Values};
-pub use request::{Action, Forces, Operation, REQUEST_FIELDS, Request, TOPIC_FIELDS, Topic};
+pub use reply::{Advanced, Done, Plans, RigLogLine, SignalValues, Subscribed};
+pub use request::{ControllerAction, Forces, REQUEST_FIELDS, Request, RequestOperation, TOPIC_FIELDS, Topic};
 pub use status::{
-    BusStatus, DeviceStatus, Forced, Led, Locked, PointStatus, RigStatus, Status, StatusWarning, TaskStatus,
+    BusStatus, DeviceStatus, ForcedPoint, LedStatus, Locked, PointStatus, RigStatus, Status, StatusWarning,
+    TaskStatus,
 };

@@ -1,7 +1,7 @@
 //! What replies hold, request by request: the `ok` of a [`crate::Reply`].
 
 use crate::WireValue;
-use crate::message::{Change, PlanEvent, Signal};
+use crate::message::{PlanEvent, Signal, SignalChange};
 use serde::{Deserialize, Serialize};
 
 /// The reply to what has nothing to report: `{}`.
@@ -10,7 +10,7 @@ pub struct Done {}
 
 /// The reply to [`crate::Operation::Read`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Values {
+pub struct SignalValues {
     /// The values, in the order of the names.
     pub values: Vec<WireValue>,
 }
@@ -25,10 +25,10 @@ pub struct Subscribed {
     pub signals: Vec<Signal>,
     /// Their present values, as far as there are any yet; those of the others come as their first change.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub values: Vec<Change>,
+    pub values: Vec<SignalChange>,
     /// The last lines of the log so far.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub log: Vec<LogLine>,
+    pub log: Vec<RigLogLine>,
     /// What the case that runs has reported so far.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub plan: Vec<PlanEvent>,
@@ -36,7 +36,7 @@ pub struct Subscribed {
 
 /// A line of the log.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct LogLine {
+pub struct RigLogLine {
     /// When, nanoseconds since the rig began.
     pub at: i64,
     /// The line.

@@ -10,13 +10,13 @@ pub struct Request {
     pub id: u64,
     /// What is asked.
     #[serde(flatten)]
-    pub ask: Operation,
+    pub ask: RequestOperation,
 }
 
 /// What is asked.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Operation {
+pub enum RequestOperation {
     /// Says who asks, and which protocol it speaks. Nobody has to.
     Hello {
         /// The version that the client was made for.
@@ -57,7 +57,7 @@ pub enum Operation {
     /// A command to the controller, or to the rig.
     Command {
         /// Which.
-        action: Action,
+        action: ControllerAction,
     },
     /// Brings events of a topic from now on; answered with the subscription's number, and with the present values where
     /// the topic has some.
@@ -80,7 +80,7 @@ pub enum Operation {
     /// Runs cases on the board in place of the controller, which is stopped with safe outputs before and started again
     /// after. Answered when it begins; its course is reported to those who subscribe to [`Topic::Plan`].
     Plan {
-        /// The case, or the plan with all its cases, by its name as [`Operation::Plans`] reports it.
+        /// The case, or the plan with all its cases, by its name as [`RequestOperation::Plans`] reports it.
         name: String,
     },
     /// Ends the plan that runs.
@@ -149,7 +149,7 @@ pub enum Forces {
 /// A command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Action {
+pub enum ControllerAction {
     /// Start the application.
     Run,
     /// Stop it.
@@ -172,34 +172,34 @@ pub enum Action {
     PowerOff,
 }
 
-impl Action {
+impl ControllerAction {
     /// Every command.
-    pub const ALL: [Action; 10] = [
-        Action::Run,
-        Action::Stop,
-        Action::ResetWarm,
-        Action::ResetCold,
-        Action::ResetOrigin,
-        Action::Reboot,
-        Action::SwitchRun,
-        Action::SwitchStop,
-        Action::PowerOn,
-        Action::PowerOff,
+    pub const ALL: [ControllerAction; 10] = [
+        ControllerAction::Run,
+        ControllerAction::Stop,
+        ControllerAction::ResetWarm,
+        ControllerAction::ResetCold,
+        ControllerAction::ResetOrigin,
+        ControllerAction::Reboot,
+        ControllerAction::SwitchRun,
+        ControllerAction::SwitchStop,
+        ControllerAction::PowerOn,
+        ControllerAction::PowerOff,
     ];
 
     /// Its name in a line and on the command line.
     pub const fn name(self) -> &'static str {
         match self {
-            Action::Run => "run",
-            Action::Stop => "stop",
-            Action::ResetWarm => "reset-warm",
-            Action::ResetCold => "reset-cold",
-            Action::ResetOrigin => "reset-origin",
-            Action::Reboot => "reboot",
-            Action::SwitchRun => "switch-run",
-            Action::SwitchStop => "switch-stop",
-            Action::PowerOn => "power-on",
-            Action::PowerOff => "power-off",
+            ControllerAction::Run => "run",
+            ControllerAction::Stop => "stop",
+            ControllerAction::ResetWarm => "reset-warm",
+            ControllerAction::ResetCold => "reset-cold",
+            ControllerAction::ResetOrigin => "reset-origin",
+            ControllerAction::Reboot => "reboot",
+            ControllerAction::SwitchRun => "switch-run",
+            ControllerAction::SwitchStop => "switch-stop",
+            ControllerAction::PowerOn => "power-on",
+            ControllerAction::PowerOff => "power-off",
         }
     }
 }

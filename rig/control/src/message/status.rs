@@ -12,7 +12,7 @@ pub struct Status {
     /// The controller's state by its documented name.
     pub state: String,
     /// Its indicators, as they are on its front.
-    pub leds: Vec<Led>,
+    pub leds: Vec<LedStatus>,
     /// Where the Run/Stop switch stands: TRUE for Run.
     pub switch: bool,
     /// It has its supply.
@@ -22,7 +22,7 @@ pub struct Status {
     /// Load of its processor in the last second, per mille.
     pub load: u32,
     /// What is forced.
-    pub forced: Vec<Forced>,
+    pub forced: Vec<ForcedPoint>,
     /// The points, in the order of the description.
     pub points: Vec<PointStatus>,
     /// The devices, in the order of the description.
@@ -43,7 +43,7 @@ pub struct Status {
 
 /// An indicator.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Led {
+pub struct LedStatus {
     /// Its name, as in `RUN`.
     pub name: String,
     /// What it shows: `off`, `on`, `fast-flash`, `regular-flash`, `single-flash`.
@@ -87,7 +87,7 @@ pub struct TaskStatus {
 
 /// A forced point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Forced {
+pub struct ForcedPoint {
     /// Its address.
     pub address: String,
     /// Its value.

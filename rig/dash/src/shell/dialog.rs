@@ -3,7 +3,7 @@
 use super::Shell;
 use super::menu::{self, MenuAction};
 use crate::editor::{EditResult, Editor};
-use control::{Forces, Operation};
+use control::{Forces, RequestOperation};
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 
 /// Whom a line is for.
@@ -26,7 +26,7 @@ pub(super) enum Dialog {
         chosen: usize,
     },
     /// A question; yes asks the rig.
-    Confirm { question: String, ask: Operation },
+    Confirm { question: String, ask: RequestOperation },
     /// A line that is typed.
     Prompt { ask: String, editor: Editor, target: PromptTarget },
     /// What becomes of forces, before the end.
@@ -41,7 +41,7 @@ pub(super) enum LeaveChoice {
 }
 
 impl Dialog {
-    pub fn confirm(question: String, ask: Operation) -> Dialog {
+    pub fn confirm(question: String, ask: RequestOperation) -> Dialog {
         Dialog::Confirm { question, ask }
     }
 
@@ -153,7 +153,9 @@ impl Shell {
 
     fn typed(&mut self, text: &str, target: PromptTarget) {
         match target {
-            PromptTarget::Lock => self.request_for_user(Operation::Lock { note: text.trim().to_owned() }),
+            PromptTarget::Lock => {
+                self.request_for_user(RequestOperation::Lock { note: text.trim().to_owned() })
+            }
             PromptTarget::View(view) => {
                 if let Some(view) = self.views.get_mut(view) {
                     let requests_of_view = view.typed(text, &self.model);

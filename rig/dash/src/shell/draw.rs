@@ -4,9 +4,9 @@ use super::dialog::Dialog;
 use super::input::KEYS;
 use super::{Shell, menu};
 use crate::canvas::{self, Canvas};
-use crate::model::Model;
+use crate::model::RigModel;
 use crate::show;
-use control::{Clock, Led};
+use control::{LedStatus, TimeSource};
 use ratatui::Frame;
 use ratatui::layout::Rect;
 use ratatui::style::{Color, Modifier, Style};
@@ -79,8 +79,9 @@ impl Shell {
         }
         let forced = &self.model.status.forced;
         if !forced.is_empty() {
-            let one =
-                |forced: &control::Forced| format!("{}={}", forced.address, show::value(forced.value, &[]));
+            let one = |forced: &control::ForcedPoint| {
+                format!("{}={}", forced.address, show::value(forced.value, &[]))
+            };
             let all: Vec<String> = forced.iter().map(one).collect();
             let text = format!("FORCED {}: {}", all.len(), all.join("  "));
             rows.push((text, warning(self.features.color, Color::Yellow)));
@@ -101,7 +102,7 @@ impl Shell {
         } else if !status.state.is_empty() {
             canvas.text(x, 0, "SUPPLY OFF", canvas::bold());
         }
-        let stepped = if model.description.clock == Clock::Stepped { " stepped" } else { "" };
+        let stepped = if model.description.clock == TimeSource::Stepped { " stepped" } else { "" };
         let figures =
             format!("load {}  {} s{stepped}", show::per_mille(status.load), show::seconds(model.now, 1));
         canvas.right(canvas.width() - 1, 0, &figures, Style::new());
@@ -259,7 +260,7 @@ fn warning(color: bool, of: Color) -> Style {
 }
 
 /// An indicator with its name; the column after it.
-fn draw_led(canvas: &mut Canvas<'_>, x: u16, led: &Led, model: &Model) -> u16 {
+fn draw_led(canvas: &mut Canvas<'_>, x: u16, led: &LedStatus, model: &RigModel) -> u16 {
     let lit = match (led.pattern.as_str(), led.times) {
         ("off", _) => false,
         (_, Some((on, off))) if on > 0 && off > 0 => {

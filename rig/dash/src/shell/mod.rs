@@ -8,10 +8,13 @@ mod menu;
 mod signals;
 
 use crate::glyphs::TerminalFeatures;
-use crate::model::Model;
+use crate::model::RigModel;
 use crate::views::{View, ViewRequest};
 use control::client::{self, ClientError};
-use control::{Done, Event, Fault, Forces, Greeting, Operation, Plans, Reply, Request, Subscribed, Topic};
+use control::{
+    Done, Forces, Greeting, Plans, Reply, Request, RequestFault, RequestOperation, Subscribed,
+    SubscriptionEvent, Topic,
+};
 use dialog::Dialog;
 use ratatui::layout::Rect;
 use signals::SignalSubscriptions;
@@ -28,7 +31,7 @@ pub enum RigMessage {
     /// An answer.
     Reply(Reply),
     /// Something of a subscription.
-    Event(Event),
+    Event(SubscriptionEvent),
     /// There is no connection, for this reason. It is tried again.
     Disconnected(String),
 }
@@ -57,7 +60,7 @@ enum Purpose {
 
 /// What stands in the bottom line until the next key.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Note {
+struct StatusNote {
     text: String,
     bad: bool,
 }
@@ -76,7 +79,7 @@ pub enum LoopCommand {
 /// The dashboard.
 #[derive(Debug)]
 pub struct Shell {
-    model: Model,
+    model: RigModel,
     views: Vec<Box<dyn View>>,
     /// The place of the view that is shown.
     at: usize,
@@ -84,7 +87,7 @@ pub struct Shell {
     /// The rig was started for this dashboard and ends with it.
     owns_rig: bool,
     dialog: Option<Dialog>,
-    note: Option<Note>,
+    note: Option<StatusNote>,
     requests: Vec<Request>,
     waiting: BTreeMap<u64, Purpose>,
     asked: u64,
@@ -105,7 +108,7 @@ impl Shell {
     /// A dashboard with these views. `owns_rig` says that the rig was started for it and ends with it.
     pub fn new(views: Vec<Box<dyn View>>, features: TerminalFeatures, owns_rig: bool) -> Shell {
         let mut shell = Shell {
-            model: Model { gone: Some("connecting".to_owned()), ..Model::default() },
+            model: RigModel { gone: Some("connecting".to_owned()), ..RigModel::default() },
             views,
             at: 0,
             features,
@@ -130,7 +133,7 @@ impl Shell {
     }
 
     /// What the rig is and how, as far as it is known.
-    pub fn model(&self) -> &Model {
+    pub fn model(&self) -> &RigModel {
         &self.model
     }
 
@@ -165,17 +168,20 @@ impl Shell {
         self.requests.clear();
         self.signals.reset();
         self.frames = None;
-        self.model = Model { plans: self.model.plans.take(), ..Model::default() };
+        self.model = RigModel { plans: self.model.plans.take(), ..RigModel::default() };
         if std::mem::replace(&mut self.was_connected, true) {
             for view in &mut self.views {
                 view.reconnected();
             }
             self.say(format!("connected again to {}", greeting.board));
         }
-        self.ask(Operation::Describe, Purpose::Describe);
-        self.ask(Operation::Subscribe { topic: Topic::Status { every_ms: STATUS_EVERY } }, Purpose::Status);
-        self.ask(Operation::Subscribe { topic: Topic::Log }, Purpose::Log);
-        self.ask(Operation::Subscribe { topic: Topic::Plan }, Purpose::Plan);
+        self.ask(RequestOperation::Describe, Purpose::Describe);
+        self.ask(
+            RequestOperation::Subscribe { topic: Topic::Status { every_ms: STATUS_EVERY } },
+            Purpose::Status,
+        );
+        self.ask(RequestOperation::Subscribe { topic: Topic::Log }, Purpose::Log);
+        self.ask(RequestOperation::Subscribe { topic: Topic::Plan }, Purpose::Plan);
     }
 
     fn disconnected(&mut self, why: String) {
@@ -187,13 +193,13 @@ impl Shell {
         self.model.gone = Some(why);
     }
 
-    fn ask(&mut self, ask: Operation, purpose: Purpose) {
+    fn ask(&mut self, ask: RequestOperation, purpose: Purpose) {
         self.asked += 1;
         self.requests.push(Request { id: self.asked, ask });
         self.waiting.insert(self.asked, purpose);
     }
 
-    fn ask_all(&mut self, asks: Vec<(Operation, Purpose)>) {
+    fn ask_all(&mut self, asks: Vec<(RequestOperation, Purpose)>) {
         for (ask, purpose) in asks {
             self.ask(ask, purpose);
         }
@@ -206,7 +212,7 @@ impl Shell {
         }
     }
 
-    fn take_answer(&mut self, purpose: Purpose, reply: Reply) -> Result<(), Fault> {
+    fn take_answer(&mut self, purpose: Purpose, reply: Reply) -> Result<(), RequestFault> {
         match purpose {
             Purpose::Ignored | Purpose::Status => drop(client::answer::<Done>(reply).map_err(fault_of)?),
             Purpose::Describe => {
@@ -251,19 +257,19 @@ impl Shell {
         Ok(())
     }
 
-    fn event(&mut self, event: Event) {
+    fn event(&mut self, event: SubscriptionEvent) {
         match event {
-            Event::Signals { subscription, changes, missed } => {
+            SubscriptionEvent::Signals { subscription, changes, missed } => {
                 self.signals.changed(subscription, &changes, missed, &mut self.views, &mut self.model);
             }
-            Event::Status { status, .. } => self.model.take_status(*status),
-            Event::Log { at, text, .. } => self.model.take_log(at, text),
-            Event::Frame { frame, .. } => self.model.take_frame(frame),
-            Event::Plan { event, .. } => self.model.plan_event(event),
-            Event::Missed { lines, .. } => {
+            SubscriptionEvent::Status { status, .. } => self.model.take_status(*status),
+            SubscriptionEvent::Log { at, text, .. } => self.model.take_log(at, text),
+            SubscriptionEvent::Frame { frame, .. } => self.model.take_frame(frame),
+            SubscriptionEvent::Plan { event, .. } => self.model.plan_event(event),
+            SubscriptionEvent::Missed { lines, .. } => {
                 self.say(format!("{lines} lines of the rig were not sent: they came too fast"));
             }
-            Event::Gone { why } => self.model.gone = Some(why),
+            SubscriptionEvent::Gone { why } => self.model.gone = Some(why),
         }
     }
 
@@ -278,11 +284,11 @@ impl Shell {
         match self.frames {
             None if frames => {
                 self.frames = Some(None);
-                self.ask(Operation::Subscribe { topic: Topic::Frames }, Purpose::Frames);
+                self.ask(RequestOperation::Subscribe { topic: Topic::Frames }, Purpose::Frames);
             }
             Some(Some(subscription)) if !frames => {
                 self.frames = None;
-                self.ask(Operation::Unsubscribe { subscription }, Purpose::Ignored);
+                self.ask(RequestOperation::Unsubscribe { subscription }, Purpose::Ignored);
             }
             _ => {}
         }
@@ -299,16 +305,16 @@ impl Shell {
     }
 
     fn say(&mut self, text: String) {
-        self.note = Some(Note { text, bad: false });
+        self.note = Some(StatusNote { text, bad: false });
     }
 
-    fn complain(&mut self, fault: &Fault) {
+    fn complain(&mut self, fault: &RequestFault) {
         let mut text = format!("{} {}", fault.code, fault.message);
         if !fault.help.is_empty() {
             text.push_str(": ");
             text.push_str(&fault.help);
         }
-        self.note = Some(Note { text, bad: true });
+        self.note = Some(StatusNote { text, bad: true });
     }
 
     /// Does what the view that is shown wants.
@@ -327,14 +333,14 @@ impl Shell {
     }
 
     /// Asks the rig for something that somebody wanted.
-    fn request_for_user(&mut self, ask: Operation) {
+    fn request_for_user(&mut self, ask: RequestOperation) {
         if let Some(why) = &self.model.gone {
             let text = format!("there is no connection to the rig: {why}");
-            self.note = Some(Note { text, bad: true });
+            self.note = Some(StatusNote { text, bad: true });
             return;
         }
         let purpose = match &ask {
-            Operation::Plans { .. } => Purpose::Plans,
+            RequestOperation::Plans { .. } => Purpose::Plans,
             other => Purpose::UserRequest(menu::done(other)),
         };
         self.ask(ask, purpose);
@@ -345,12 +351,12 @@ impl Shell {
         if self.model.gone.is_some() {
             self.loop_commands.push(LoopCommand::End);
         } else {
-            self.ask(Operation::Leave { forces }, Purpose::Leave);
+            self.ask(RequestOperation::Leave { forces }, Purpose::Leave);
         }
     }
 }
 
 /// What keeps an answer from being one, as the rig would report it.
-fn fault_of(error: ClientError) -> Fault {
+fn fault_of(error: ClientError) -> RequestFault {
     error.fault()
 }

@@ -1,9 +1,9 @@
 //! Which signals the views want, and the subscriptions that bring them.
 
 use super::Purpose;
-use crate::model::Model;
+use crate::model::RigModel;
 use crate::views::View;
-use control::{Change, Operation, Subscribed, Topic, WireValue};
+use control::{RequestOperation, SignalChange, Subscribed, Topic, WireValue};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The most names in one request, so that it stays far below the longest line.
@@ -41,7 +41,11 @@ impl SignalSubscriptions {
     }
 
     /// Looks at what the views want now, of which one is shown; what has to be asked of the rig.
-    pub fn refresh(&mut self, views: &mut [Box<dyn View>], model: &mut Model) -> Vec<(Operation, Purpose)> {
+    pub fn refresh(
+        &mut self,
+        views: &mut [Box<dyn View>],
+        model: &mut RigModel,
+    ) -> Vec<(RequestOperation, Purpose)> {
         let mut wanted: [BTreeSet<String>; 2] = Default::default();
         self.by_view.resize_with(views.len(), BTreeSet::new);
         for (view, before) in views.iter_mut().zip(&mut self.by_view) {
@@ -82,18 +86,19 @@ impl SignalSubscriptions {
         requests
     }
 
-    fn request(&self, all: bool, names: Vec<String>) -> (Operation, Purpose) {
+    fn request(&self, all: bool, names: Vec<String>) -> (RequestOperation, Purpose) {
         let round = self.rounds[usize::from(all)];
         let every_ms = if all { ALL_EVERY } else { LAST_EVERY };
         let topic = Topic::Signals { names: names.clone(), every_ms, all };
-        (Operation::Subscribe { topic }, Purpose::Signals { all, round, names })
+        (RequestOperation::Subscribe { topic }, Purpose::Signals { all, round, names })
     }
 
     /// Ends the subscriptions of one of the two.
-    fn retire(&mut self, of: bool, requests: &mut Vec<(Operation, Purpose)>) {
+    fn retire(&mut self, of: bool, requests: &mut Vec<(RequestOperation, Purpose)>) {
         self.coming.retain(|subscription, (all, _)| {
             if *all == of {
-                requests.push((Operation::Unsubscribe { subscription: *subscription }, Purpose::Ignored));
+                requests
+                    .push((RequestOperation::Unsubscribe { subscription: *subscription }, Purpose::Ignored));
             }
             *all != of
         });
@@ -106,11 +111,14 @@ impl SignalSubscriptions {
         asked: Vec<String>,
         answer: Subscribed,
         views: &mut [Box<dyn View>],
-        model: &mut Model,
-    ) -> Vec<(Operation, Purpose)> {
+        model: &mut RigModel,
+    ) -> Vec<(RequestOperation, Purpose)> {
         let mut requests = Vec::new();
         if round != self.rounds[usize::from(all)] {
-            requests.push((Operation::Unsubscribe { subscription: answer.subscription }, Purpose::Ignored));
+            requests.push((
+                RequestOperation::Unsubscribe { subscription: answer.subscription },
+                Purpose::Ignored,
+            ));
             return requests;
         }
         let mut names: BTreeMap<u32, Vec<String>> = BTreeMap::new();
@@ -124,11 +132,12 @@ impl SignalSubscriptions {
             old.retain(|number, _| !names.contains_key(number));
             let keep = old.values().flatten().any(|name| wanted.iter().any(|asked| asked.contains(name)));
             if !keep {
-                requests.push((Operation::Unsubscribe { subscription: *subscription }, Purpose::Ignored));
+                requests
+                    .push((RequestOperation::Unsubscribe { subscription: *subscription }, Purpose::Ignored));
             }
             keep
         });
-        for Change(number, earliest, latest, value) in &answer.values {
+        for SignalChange(number, earliest, latest, value) in &answer.values {
             for name in names.get(number).into_iter().flatten() {
                 // Of what came before by another subscription nothing is new.
                 let before = model.values.get(name);
@@ -149,7 +158,7 @@ impl SignalSubscriptions {
         &mut self,
         (all, round): (bool, u64),
         mut names: Vec<String>,
-    ) -> Result<Vec<(Operation, Purpose)>, String> {
+    ) -> Result<Vec<(RequestOperation, Purpose)>, String> {
         if round != self.rounds[usize::from(all)] {
             return Ok(Vec::new());
         }
@@ -167,13 +176,13 @@ impl SignalSubscriptions {
     pub fn changed(
         &self,
         subscription: u64,
-        changes: &[Change],
+        changes: &[SignalChange],
         missed: u64,
         views: &mut [Box<dyn View>],
-        model: &mut Model,
+        model: &mut RigModel,
     ) {
         let Some((all, names)) = self.coming.get(&subscription) else { return };
-        for Change(number, earliest, latest, value) in changes {
+        for SignalChange(number, earliest, latest, value) in changes {
             for name in names.get(number).into_iter().flatten() {
                 report_change(&self.by_view, views, name, (*earliest, *latest), *value);
                 model.values.insert(name.clone(), (*latest, *value));

@@ -1,10 +1,10 @@
 //! The buses: their states and counters, and the frames on them.
 
 use super::{View, ViewRequest};
-use crate::canvas::{self, Canvas, Column, column};
+use crate::canvas::{self, Canvas, CanvasColumn, column};
 use crate::frame_decoder::{DecodedFrame, FrameDecoder};
 use crate::glyphs::TerminalFeatures;
-use crate::model::{KEPT, Model};
+use crate::model::{KEPT, RigModel};
 use crate::recording::TrendFiles;
 use crate::show;
 use control::{BusInfo, BusStatus, FrameSeen};
@@ -15,7 +15,7 @@ use ratatui::style::Style;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-const BUSES: [Column; 8] = [
+const BUSES: [CanvasColumn; 8] = [
     column("Bus", 14, false, 0),
     column("Kind", 7, false, 0),
     column("Settings", 18, false, 0),
@@ -93,7 +93,7 @@ impl View for BusesView {
         ]
     }
 
-    fn signals(&self, _model: &Model) -> Vec<(String, bool)> {
+    fn signals(&self, _model: &RigModel) -> Vec<(String, bool)> {
         Vec::new()
     }
 
@@ -105,7 +105,7 @@ impl View for BusesView {
         self.shown
     }
 
-    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, features: TerminalFeatures) {
+    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &RigModel, features: TerminalFeatures) {
         let mut canvas = Canvas::new(frame, area, features);
         if model.description.buses.is_empty() {
             canvas.text(1, 0, "The board has no buses.", Style::new());
@@ -133,7 +133,7 @@ impl View for BusesView {
         };
     }
 
-    fn key(&mut self, key: KeyEvent, model: &Model) -> Option<Vec<ViewRequest>> {
+    fn key(&mut self, key: KeyEvent, model: &RigModel) -> Option<Vec<ViewRequest>> {
         match key.code {
             KeyCode::Char('/') => {
                 self.prompt = BusPrompt::Filter;
@@ -174,7 +174,7 @@ impl View for BusesView {
         Some(Vec::new())
     }
 
-    fn mouse(&mut self, mouse: MouseEvent, model: &Model) -> Vec<ViewRequest> {
+    fn mouse(&mut self, mouse: MouseEvent, model: &RigModel) -> Vec<ViewRequest> {
         match mouse.kind {
             MouseEventKind::ScrollUp => self.scroll(true, 3, model),
             MouseEventKind::ScrollDown => self.scroll(false, 3, model),
@@ -183,7 +183,7 @@ impl View for BusesView {
         Vec::new()
     }
 
-    fn typed(&mut self, text: &str, _model: &Model) -> Vec<ViewRequest> {
+    fn typed(&mut self, text: &str, _model: &RigModel) -> Vec<ViewRequest> {
         let text = text.trim();
         match self.prompt {
             BusPrompt::Filter => {
@@ -233,7 +233,7 @@ impl BusesView {
     }
 
     /// Up or down the list.
-    fn scroll(&mut self, up: bool, rows: usize, model: &Model) {
+    fn scroll(&mut self, up: bool, rows: usize, model: &RigModel) {
         // The course stands on its newest frame, the identifiers begin with the first.
         let away = up == (self.list == FrameOrder::Chronological);
         // Frames that come meanwhile would push older ones along, so they are held.

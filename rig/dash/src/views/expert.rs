@@ -3,7 +3,7 @@
 use super::{View, ViewRequest};
 use crate::canvas::{self, Canvas};
 use crate::glyphs::TerminalFeatures;
-use crate::model::Model;
+use crate::model::RigModel;
 use crate::show;
 use control::{FunctionInfo, Signal};
 use ratatui::Frame;
@@ -32,7 +32,7 @@ impl View for ExpertView {
         vec![("Up/Down", "function")]
     }
 
-    fn signals(&self, model: &Model) -> Vec<(String, bool)> {
+    fn signals(&self, model: &RigModel) -> Vec<(String, bool)> {
         if !self.shown {
             return Vec::new();
         }
@@ -44,7 +44,7 @@ impl View for ExpertView {
         self.shown = shown;
     }
 
-    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, features: TerminalFeatures) {
+    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &RigModel, features: TerminalFeatures) {
         let mut canvas = Canvas::new(frame, area, features);
         let functions = &model.description.functions;
         if functions.is_empty() {
@@ -95,7 +95,7 @@ impl View for ExpertView {
         }
     }
 
-    fn key(&mut self, key: KeyEvent, model: &Model) -> Option<Vec<ViewRequest>> {
+    fn key(&mut self, key: KeyEvent, model: &RigModel) -> Option<Vec<ViewRequest>> {
         let last = model.description.functions.len().saturating_sub(1);
         match key.code {
             KeyCode::Up => self.chosen = self.chosen.saturating_sub(1),
@@ -107,7 +107,7 @@ impl View for ExpertView {
         Some(Vec::new())
     }
 
-    fn mouse(&mut self, mouse: MouseEvent, model: &Model) -> Vec<ViewRequest> {
+    fn mouse(&mut self, mouse: MouseEvent, model: &RigModel) -> Vec<ViewRequest> {
         let last = model.description.functions.len().saturating_sub(1);
         match mouse.kind {
             MouseEventKind::ScrollUp => self.chosen = self.chosen.saturating_sub(1),
@@ -123,7 +123,7 @@ fn draw_fact(
     canvas: &mut Canvas<'_>,
     function: &FunctionInfo,
     name: &str,
-    model: &Model,
+    model: &RigModel,
     named: &BTreeMap<&str, &Signal>,
 ) {
     let short =

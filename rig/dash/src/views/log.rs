@@ -3,7 +3,7 @@
 use super::{View, ViewRequest};
 use crate::canvas::{self, Canvas};
 use crate::glyphs::TerminalFeatures;
-use crate::model::Model;
+use crate::model::RigModel;
 use crate::show;
 use ratatui::Frame;
 use ratatui::crossterm::event::{KeyCode, KeyEvent, MouseEvent, MouseEventKind};
@@ -44,11 +44,11 @@ impl View for LogView {
         vec![("Up/Down/PgUp/PgDn", "scroll"), ("End", "follow"), ("/", "filter")]
     }
 
-    fn signals(&self, _model: &Model) -> Vec<(String, bool)> {
+    fn signals(&self, _model: &RigModel) -> Vec<(String, bool)> {
         Vec::new()
     }
 
-    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, features: TerminalFeatures) {
+    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &RigModel, features: TerminalFeatures) {
         let mut canvas = Canvas::new(frame, area, features);
         let wanted = self.filter.to_lowercase();
         let lines: Vec<&(i64, String)> =
@@ -84,7 +84,7 @@ impl View for LogView {
         }
     }
 
-    fn key(&mut self, key: KeyEvent, _model: &Model) -> Option<Vec<ViewRequest>> {
+    fn key(&mut self, key: KeyEvent, _model: &RigModel) -> Option<Vec<ViewRequest>> {
         match key.code {
             KeyCode::Up => self.up(1),
             KeyCode::Down => self.down(1),
@@ -104,7 +104,7 @@ impl View for LogView {
         Some(Vec::new())
     }
 
-    fn mouse(&mut self, mouse: MouseEvent, _model: &Model) -> Vec<ViewRequest> {
+    fn mouse(&mut self, mouse: MouseEvent, _model: &RigModel) -> Vec<ViewRequest> {
         match mouse.kind {
             MouseEventKind::ScrollUp => self.up(WHEEL),
             MouseEventKind::ScrollDown => self.down(WHEEL),
@@ -113,7 +113,7 @@ impl View for LogView {
         Vec::new()
     }
 
-    fn typed(&mut self, text: &str, _model: &Model) -> Vec<ViewRequest> {
+    fn typed(&mut self, text: &str, _model: &RigModel) -> Vec<ViewRequest> {
         self.filter = text.trim().to_owned();
         self.back = 0;
         Vec::new()

@@ -11,9 +11,9 @@ mod tests;
 mod trend;
 
 use crate::glyphs::TerminalFeatures;
-use crate::model::Model;
+use crate::model::RigModel;
 use crate::recording::TrendFiles;
-use control::{Fault, Operation, WireValue};
+use control::{RequestFault, RequestOperation, WireValue};
 use ratatui::Frame;
 use ratatui::crossterm::event::{KeyEvent, MouseEvent};
 use ratatui::layout::Rect;
@@ -23,9 +23,9 @@ use std::rc::Rc;
 #[derive(Clone, Debug, PartialEq)]
 pub enum ViewRequest {
     /// Ask the rig, at once.
-    Operation(Operation),
+    Operation(RequestOperation),
     /// Ask it once the user has said yes to this question.
-    Confirm(String, Operation),
+    Confirm(String, RequestOperation),
     /// Let the user type something; [`View::typed`] gets it.
     Prompt {
         /// What stands before it.
@@ -36,7 +36,7 @@ pub enum ViewRequest {
     /// Say something in the bottom line.
     Message(String),
     /// Say there what is wrong.
-    Fault(Fault),
+    Fault(RequestFault),
 }
 
 /// The views, in the order of their tabs.
@@ -63,13 +63,13 @@ pub trait View: std::fmt::Debug {
 
     /// Signals that it needs now, with every change (`true`) or the last value (`false`), whether it is shown or not.
     /// Asked again after each key and each message.
-    fn signals(&self, model: &Model) -> Vec<(String, bool)>;
+    fn signals(&self, model: &RigModel) -> Vec<(String, bool)>;
 
     /// It becomes the one that is shown (`true`), or another one does.
     fn shown(&mut self, _shown: bool) {}
 
     /// What it wants as soon as it is shown.
-    fn opened(&mut self, _model: &Model) -> Vec<ViewRequest> {
+    fn opened(&mut self, _model: &RigModel) -> Vec<ViewRequest> {
         Vec::new()
     }
 
@@ -90,18 +90,18 @@ pub trait View: std::fmt::Debug {
     fn missed(&mut self, _changes: u64) {}
 
     /// Draws it.
-    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, features: TerminalFeatures);
+    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &RigModel, features: TerminalFeatures);
 
     /// A key. `None` where the view does not use it.
-    fn key(&mut self, key: KeyEvent, model: &Model) -> Option<Vec<ViewRequest>>;
+    fn key(&mut self, key: KeyEvent, model: &RigModel) -> Option<Vec<ViewRequest>>;
 
     /// The mouse, somewhere in the area that was drawn last.
-    fn mouse(&mut self, _mouse: MouseEvent, _model: &Model) -> Vec<ViewRequest> {
+    fn mouse(&mut self, _mouse: MouseEvent, _model: &RigModel) -> Vec<ViewRequest> {
         Vec::new()
     }
 
     /// What the user typed after a prompt.
-    fn typed(&mut self, _text: &str, _model: &Model) -> Vec<ViewRequest> {
+    fn typed(&mut self, _text: &str, _model: &RigModel) -> Vec<ViewRequest> {
         Vec::new()
     }
 }

@@ -1,9 +1,9 @@
 //! The tasks: times, what was late or lost, load against its limit, watchdogs, and how the jitter is spread.
 
 use super::{View, ViewRequest};
-use crate::canvas::{self, Canvas, Column, column};
+use crate::canvas::{self, Canvas, CanvasColumn, column};
 use crate::glyphs::TerminalFeatures;
-use crate::model::Model;
+use crate::model::RigModel;
 use crate::show;
 use control::{TaskInfo, TaskStatus};
 use ratatui::Frame;
@@ -12,7 +12,7 @@ use ratatui::layout::Rect;
 use ratatui::style::Style;
 
 /// The table. Columns that name a width are shown from that width on.
-const COLUMNS: [Column; 14] = [
+const COLUMNS: [CanvasColumn; 14] = [
     column("Task", 10, false, 0),
     column("Pr", 2, true, 0),
     column("Interval", 8, true, 0),
@@ -52,11 +52,11 @@ impl View for TasksView {
         vec![("Up/Down", "task"), ("h", if self.rig { "jitter of the task" } else { "lateness of the rig" })]
     }
 
-    fn signals(&self, _model: &Model) -> Vec<(String, bool)> {
+    fn signals(&self, _model: &RigModel) -> Vec<(String, bool)> {
         Vec::new()
     }
 
-    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, features: TerminalFeatures) {
+    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &RigModel, features: TerminalFeatures) {
         let mut canvas = Canvas::new(frame, area, features);
         let tasks: Vec<(&TaskInfo, &TaskStatus)> =
             model.description.tasks.iter().zip(&model.status.tasks).collect();
@@ -104,7 +104,7 @@ impl View for TasksView {
         }
     }
 
-    fn key(&mut self, key: KeyEvent, model: &Model) -> Option<Vec<ViewRequest>> {
+    fn key(&mut self, key: KeyEvent, model: &RigModel) -> Option<Vec<ViewRequest>> {
         let last = model.status.tasks.len().saturating_sub(1);
         match key.code {
             KeyCode::Up => self.chosen = self.chosen.saturating_sub(1),
@@ -117,7 +117,7 @@ impl View for TasksView {
         Some(Vec::new())
     }
 
-    fn mouse(&mut self, mouse: MouseEvent, model: &Model) -> Vec<ViewRequest> {
+    fn mouse(&mut self, mouse: MouseEvent, model: &RigModel) -> Vec<ViewRequest> {
         let inside = self.rows.contains((mouse.column, mouse.row).into());
         match mouse.kind {
             MouseEventKind::Down(MouseButton::Left) if inside => {
@@ -166,7 +166,7 @@ fn short(kind: &str) -> &str {
 }
 
 /// Bars of the load, in all and of each task, and how much of the chosen one's watchdog is left.
-fn draw_loads(canvas: &mut Canvas<'_>, tasks: &[(&TaskInfo, &TaskStatus)], chosen: usize, model: &Model) {
+fn draw_loads(canvas: &mut Canvas<'_>, tasks: &[(&TaskInfo, &TaskStatus)], chosen: usize, model: &RigModel) {
     let limit = model.description.load_limit;
     let watchdog = canvas.height().saturating_sub(1);
     let share = |load: u32| f64::from(load) / 1_000.0;

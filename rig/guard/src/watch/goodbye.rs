@@ -1,13 +1,13 @@
 //! The guard alone, after the death of its rig, and its end.
 
-use super::{Ending, Watch, WatchState, say};
+use super::{Ending, GuardLoop, WatchState, say};
 use crate::Reason;
 use crate::driver::Trouble;
 use crate::takeover::{Listener, TakeoverRequest};
 use host::HostInstant;
 use signal::Span;
 
-impl Watch<'_> {
+impl GuardLoop<'_> {
     /// The rig is gone since then: the lines are held, and let go when it is time.
     pub(super) fn alone(&mut self, since: HostInstant, now: HostInstant) -> Option<Ending> {
         let safe = self.are_safe(since);

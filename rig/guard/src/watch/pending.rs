@@ -1,9 +1,9 @@
 //! Requests of the rig that are answered when the lines are safe, or not in time.
 
-use super::{Watch, WatchState};
+use super::{GuardLoop, WatchState};
 use crate::Reason;
 use crate::driver::{Driver, Trouble};
-use crate::wire::{Message, Tag};
+use crate::wire::{GuardMessage, Tag};
 use host::HostInstant;
 use signal::Span;
 
@@ -13,7 +13,7 @@ const PATIENCE: Span = Span::from_secs(1);
 
 /// A request that waits for the lines.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pending {
+pub(super) struct PendingRequest {
     what: Tag,
     /// Drives that began before do not count.
     since: HostInstant,
@@ -21,11 +21,11 @@ pub(super) struct Pending {
     pub until: HostInstant,
 }
 
-impl Watch<'_> {
+impl GuardLoop<'_> {
     /// Drives the lines safe, and answers when they are. While the rig drives, lines that are new are driven alone.
     pub(super) fn expect(&mut self, what: Tag, now: HostInstant) {
         let until = now + self.limit.max(PATIENCE);
-        self.pending = Some(Pending { what, since: now, until });
+        self.pending = Some(PendingRequest { what, since: now, until });
         match self.drivers.last().filter(|_| self.state == WatchState::Armed) {
             Some(new) => new.order(),
             None => self.drive(now),
@@ -33,7 +33,7 @@ impl Watch<'_> {
     }
 
     /// Whether the lines that a request is about are safe since then.
-    fn is_met(&self, pending: &Pending) -> bool {
+    fn is_met(&self, pending: &PendingRequest) -> bool {
         let since = pending.since;
         match pending.what {
             Tag::Hold => self.drivers.last().is_none_or(|new| new.is_safe(since)),
@@ -92,7 +92,7 @@ impl Watch<'_> {
     /// Answers the rig. One that does not listen is either gone or hangs, and both are noticed elsewhere.
     pub(super) fn reply(&self, tag: Tag, text: &str) {
         if let Some(link) = &self.link {
-            let _ = Message::new(tag, [0; 4]).with(text).send(link, &[]);
+            let _ = GuardMessage::new(tag, [0; 4]).with(text).send(link, &[]);
         }
     }
 }

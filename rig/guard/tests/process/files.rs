@@ -1,7 +1,7 @@
 //! Lines whose levels stand in a file.
 
 use drivers::{LineApi, OutputClaim};
-use scanrig_guard::Lines;
+use scanrig_guard::OutputLines;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
 use std::os::unix::fs::FileExt;
@@ -48,7 +48,7 @@ struct FileLines {
 /// Lines of a file. `slow` ones take a second from the second drive on; `tardy` ones about as long as the guard waits
 /// until it drives again; `broken` ones fail; `stubborn` ones read
 /// otherwise from the second drive on.
-pub fn open(held: OutputClaim) -> Box<dyn Lines> {
+pub fn open(held: OutputClaim) -> Box<dyn OutputLines> {
     let file = File::from(held.claim);
     let here = rustix::fs::readlink(format!("/proc/self/fd/{}", std::os::fd::AsRawFd::as_raw_fd(&file)), []);
     let log = Path::new(here.unwrap().to_str().unwrap()).with_extension("log");
@@ -56,7 +56,7 @@ pub fn open(held: OutputClaim) -> Box<dyn Lines> {
     Box::new(FileLines { file, log, drives: 0, device: held.device })
 }
 
-impl Lines for FileLines {
+impl OutputLines for FileLines {
     fn drive(&mut self, levels: u64) -> io::Result<()> {
         self.log.write_all(&counting::of_all_threads().to_ne_bytes())?;
         self.drives += 1;

@@ -66,7 +66,7 @@ pub(crate) mod map {
 
 /// An operation with its operands and its modelled time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Step {
+pub(crate) struct CodeStep {
     pub op: Op,
     pub a: u32,
     pub b: u32,
@@ -129,7 +129,7 @@ pub(crate) struct LibraryCall {
 
 /// Code that can be called.
 #[derive(Clone, Debug)]
-pub(crate) struct Unit {
+pub(crate) struct CodeUnit {
     /// As declared; a method with its block, `block.method`.
     pub name: String,
     /// Place of the source file.

@@ -6,7 +6,7 @@ use super::place::Aim;
 use super::{Dest, Emitter, Value, ops};
 use crate::code::{AddressBase, Op, Operand};
 use crate::findings::SourcePlace;
-use crate::tree::{Callee, Expr, Input, Output, Slot, Target, TreeCall, TreePlace, TreeRoot, Ty};
+use crate::tree::{CallInput, CallOutput, Callee, Expr, Slot, Target, TreeCall, TreePlace, TreeRoot, Ty};
 use crate::types::Elementary;
 
 /// Where the instance of a call is.
@@ -110,7 +110,7 @@ impl Emitter<'_, '_, '_> {
         for (at, value, place) in kept {
             self.transfer(Dest { at, ty: value.ty, cost: 0 }, value, 0, place);
         }
-        for Input { to, value } in late {
+        for CallInput { to, value } in late {
             match to {
                 Slot::Frame(offset, ty) => self.store(value, Dest { at: in_next(*offset), ty: *ty, cost: 0 }),
                 Slot::Place(place) => self.set_pin(place, value, instance),
@@ -161,7 +161,7 @@ impl Emitter<'_, '_, '_> {
         self.push(op, (u32::from(unit), instance.0, 0), cost, at);
     }
 
-    fn outputs(&mut self, outputs: &[Output], instance: Instance, at: SourcePlace) {
+    fn outputs(&mut self, outputs: &[CallOutput], instance: Instance, at: SourcePlace) {
         let keep = outputs.iter().any(|output| target_has_effects(&output.target));
         let mut values: Vec<Option<Value>> = Vec::with_capacity(outputs.len());
         for output in outputs {

@@ -1,7 +1,7 @@
 //! Conditions: comparisons jump by themselves.
 
 use super::expr::{BOOL, has_effects, survey};
-use super::frame::Label;
+use super::frame::CodeLabel;
 use super::{Dest, Emitter, ops};
 use crate::code::{Op, Operand};
 use crate::tree::{BinaryOp, Expr, ExprKind, UnaryOp};
@@ -15,7 +15,7 @@ fn is_harmless(condition: &Expr) -> bool {
 
 impl Emitter<'_, '_, '_> {
     /// Goes to the label if the condition is `holds`. The cost comes on top, once on every way.
-    pub(super) fn jump_if(&mut self, condition: &Expr, holds: bool, label: Label, cost: u32) {
+    pub(super) fn jump_if(&mut self, condition: &Expr, holds: bool, label: CodeLabel, cost: u32) {
         let (mut condition, mut holds, mut cost) = (condition, holds, cost);
         while let ExprKind::Unary(UnaryOp::Not, inner) = &condition.kind {
             (condition, holds) = (inner, !holds);
@@ -29,7 +29,7 @@ impl Emitter<'_, '_, '_> {
         self.release(mark);
     }
 
-    fn jump_if_plain(&mut self, condition: &Expr, holds: bool, label: Label, cost: u32) {
+    fn jump_if_plain(&mut self, condition: &Expr, holds: bool, label: CodeLabel, cost: u32) {
         let at = condition.at;
         if let ExprKind::Binary(op, left, right) = &condition.kind {
             if matches!(op, BinaryOp::AndThen | BinaryOp::OrElse) {
@@ -57,7 +57,7 @@ impl Emitter<'_, '_, '_> {
 
     /// AND or OR of what can be left out without anybody seeing it: each side jumps. The first operation bears what
     /// all of them cost, for both sides are computed as far as time goes.
-    fn jump_at_once(&mut self, op: BinaryOp, condition: &Expr, holds: bool, label: Label, cost: u32) {
+    fn jump_at_once(&mut self, op: BinaryOp, condition: &Expr, holds: bool, label: CodeLabel, cost: u32) {
         let first = self.code.len();
         self.jump_chain(op, condition, holds, label, cost);
         let steps = self.code.get_mut(first..).unwrap_or_default();
@@ -70,7 +70,7 @@ impl Emitter<'_, '_, '_> {
 
     /// AND_THEN or OR_ELSE: each side is tested in turn. An operator costs what AND does, where its right side is
     /// left out too.
-    fn jump_chain(&mut self, op: BinaryOp, condition: &Expr, holds: bool, label: Label, cost: u32) {
+    fn jump_chain(&mut self, op: BinaryOp, condition: &Expr, holds: bool, label: CodeLabel, cost: u32) {
         let mut parts = Vec::new();
         let mut left = condition;
         while let ExprKind::Binary(found, first, second) = &left.kind

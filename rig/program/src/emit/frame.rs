@@ -1,7 +1,7 @@
 //! The frame of a unit while it is being made: temporaries, labels, and what is only known at its end.
 
 use super::{Dest, Emitter, Value, ops};
-use crate::code::{AddressBase, LibraryArgument, Op, Operand, Step};
+use crate::code::{AddressBase, CodeStep, LibraryArgument, Op, Operand};
 use crate::findings::SourcePlace;
 use crate::tree::{Ty, UnitTree};
 
@@ -10,13 +10,13 @@ const NEXT: u32 = 1 << 28;
 
 /// A place in the code that may not be known yet.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Label(usize);
+pub(super) struct CodeLabel(usize);
 
 /// Where EXIT and CONTINUE go.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Loop {
-    pub exit: Label,
-    pub next: Label,
+    pub exit: CodeLabel,
+    pub next: CodeLabel,
 }
 
 /// What is known of the unit that is being made.
@@ -92,13 +92,13 @@ impl Emitter<'_, '_, '_> {
         }
     }
 
-    pub(super) fn label(&mut self) -> Label {
+    pub(super) fn label(&mut self) -> CodeLabel {
         self.unit.labels.push(u32::MAX);
-        Label(self.unit.labels.len() - 1)
+        CodeLabel(self.unit.labels.len() - 1)
     }
 
     /// The label is the next operation.
-    pub(super) fn bind(&mut self, label: Label) {
+    pub(super) fn bind(&mut self, label: CodeLabel) {
         let here = self.code.len() as u32;
         if let Some(place) = self.unit.labels.get_mut(label.0) {
             *place = here;
@@ -106,7 +106,7 @@ impl Emitter<'_, '_, '_> {
     }
 
     /// An operation that may go on at a label.
-    pub(super) fn jump(&mut self, op: Op, to: Label, [b, c]: [Operand; 2], cost: u32, at: SourcePlace) {
+    pub(super) fn jump(&mut self, op: Op, to: CodeLabel, [b, c]: [Operand; 2], cost: u32, at: SourcePlace) {
         self.unit.jumps.push(self.code.len());
         self.push(op, (to.0 as u32, b.0, c.0), cost, at);
     }
@@ -156,7 +156,7 @@ impl Emitter<'_, '_, '_> {
         let mut to = to;
         for _ in 0..8 {
             match self.code.get(to as usize) {
-                Some(Step { op: Op::Jump, a, cost: 0, .. })
+                Some(CodeStep { op: Op::Jump, a, cost: 0, .. })
                     if self.statements.binary_search_by_key(&to, |statement| statement.pc).is_err() =>
                 {
                     to = *a;

@@ -16,10 +16,10 @@ mod stmt;
 #[cfg(test)]
 mod tests;
 
-use crate::code::{IndexOf, LibraryCall, Op, Operand, Statement, Step, TextPair, Unit, map};
+use crate::code::{CodeStep, CodeUnit, IndexOf, LibraryCall, Op, Operand, Statement, TextPair, map};
 use crate::codes::Code;
-use crate::findings::{Findings, SourcePlace};
-use crate::options::{Costs, Limits, Options};
+use crate::findings::{CompileFindings, SourcePlace};
+use crate::options::{Costs, Options, ProgramLimits};
 use crate::program::Program;
 use crate::tree::{Tree, Ty, UnitTree};
 use frame::RunningLoop;
@@ -53,11 +53,11 @@ struct Dest {
 struct Emitter<'t, 'f, 's> {
     tree: &'t Tree,
     costs: Costs,
-    limits: Limits,
-    findings: &'f mut Findings<'s>,
+    limits: ProgramLimits,
+    findings: &'f mut CompileFindings<'s>,
     /// Starts of the lines of each source.
     starts: Vec<Vec<u32>>,
-    code: Vec<Step>,
+    code: Vec<CodeStep>,
     lines: Vec<u32>,
     indexes: Vec<IndexOf>,
     texts: Vec<TextPair>,
@@ -76,7 +76,7 @@ struct Emitter<'t, 'f, 's> {
 pub(crate) fn emit(
     tree: Tree,
     options: &Options,
-    findings: &mut Findings<'_>,
+    findings: &mut CompileFindings<'_>,
     sources: &[document::SourceFile],
 ) -> Program {
     let variables = u32::try_from(tree.variables.len()).unwrap_or(u32::MAX);
@@ -183,7 +183,7 @@ impl Emitter<'_, '_, '_> {
             return;
         }
         let line = self.line(at);
-        self.code.push(Step { op, a, b, c, cost });
+        self.code.push(CodeStep { op, a, b, c, cost });
         self.lines.push(line);
     }
 
@@ -192,7 +192,7 @@ impl Emitter<'_, '_, '_> {
         self.push(op, (a.0, b.0, c.0), cost, at);
     }
 
-    fn unit(&mut self, unit: &UnitTree) -> Unit {
+    fn unit(&mut self, unit: &UnitTree) -> CodeUnit {
         self.unit = RunningLoop::new(unit);
         let entry = self.code.len() as u32;
         let tables = (self.indexes.len(), self.texts.len(), self.library.len());
@@ -206,7 +206,7 @@ impl Emitter<'_, '_, '_> {
         let frame = self.unit.most.min(FRAME_LIMIT);
         self.resolve(entry as usize, tables, frame);
         let running = std::mem::take(&mut self.unit);
-        Unit {
+        CodeUnit {
             name: unit.name.clone(),
             file: unit.file,
             entry,

@@ -1,7 +1,7 @@
 //! Statements.
 
 use super::expr::survey;
-use super::frame::{Label, Loop};
+use super::frame::{CodeLabel, Loop};
 use super::{Dest, Emitter, Value, ops};
 use crate::code::{Op, Operand, Statement};
 use crate::findings::SourcePlace;
@@ -75,7 +75,7 @@ impl Emitter<'_, '_, '_> {
         self.release(mark);
     }
 
-    fn go(&mut self, to: Label, at: SourcePlace) {
+    fn go(&mut self, to: CodeLabel, at: SourcePlace) {
         self.jump(Op::Jump, to, [Operand(0); 2], 0, at);
     }
 
@@ -159,7 +159,7 @@ impl Emitter<'_, '_, '_> {
         chosen: Value,
         (low, high): (i128, i128),
         last: bool,
-        (hit, next): (Label, Label),
+        (hit, next): (CodeLabel, CodeLabel),
         at: SourcePlace,
     ) {
         let ty = ops::scalar(chosen.ty);
@@ -236,7 +236,7 @@ impl Emitter<'_, '_, '_> {
         variable: Operand,
         end: Operand,
         ty: Elementary,
-        (top, leave): (Label, Label),
+        (top, leave): (CodeLabel, CodeLabel),
         (cost, at): (u32, SourcePlace),
     ) {
         let less = ops::jump(ops::CompareRelation::Less, ty, true).0;
@@ -258,7 +258,7 @@ impl Emitter<'_, '_, '_> {
         variable: Operand,
         end: Operand,
         ty: Elementary,
-        top: Label,
+        top: CodeLabel,
         (cost, at): (u32, SourcePlace),
     ) {
         let within = ops::jump(ops::CompareRelation::LessEqual, ty, true).0;

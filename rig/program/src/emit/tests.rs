@@ -2,8 +2,8 @@
 
 use super::emit;
 use crate::code::{Op, map};
-use crate::findings::{Findings, SourcePlace};
-use crate::host::{Host, Stop};
+use crate::findings::{CompileFindings, SourcePlace};
+use crate::host::{Host, StopReason};
 use crate::machine::Machine;
 use crate::options::Options;
 use crate::program::Program;
@@ -89,7 +89,7 @@ fn program(units: Vec<UnitTree>) -> Tree {
 
 fn made(tree: Tree) -> Program {
     let sources = [document::SourceFile { name: "a.st".into(), text: "a\n".into() }];
-    let mut findings = Findings::new(&sources, 10);
+    let mut findings = CompileFindings::new(&sources, 10);
     let program = emit(tree, &Options::default(), &mut findings, &sources);
     assert!(!findings.failed(), "{:?}", findings.finish());
     program
@@ -117,7 +117,7 @@ fn ran(program: Program) -> Ran {
     let mut machine = Machine::new(Arc::new(program), &[vec![0]]).unwrap();
     machine.begin(0);
     let slice = machine.resume(0, Time::ZERO, Span::from_secs(1), &mut NoHost);
-    assert_eq!(slice.stop, Stop::Done);
+    assert_eq!(slice.stop, StopReason::Done);
     Ran { machine, nanos: slice.used.as_nanos() }
 }
 

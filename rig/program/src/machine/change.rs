@@ -3,7 +3,7 @@
 use super::{Machine, MachineError};
 use crate::code::map;
 use crate::program::{Program, VarRef};
-use crate::shape::{Member, Root, Shape, ShapeId, count};
+use crate::shape::{Member, MemoryLayout, Root, ShapeId, count};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
@@ -105,7 +105,10 @@ impl ProgramChange<'_> {
             return;
         }
         match (old, new) {
-            (Shape::Members { name, members, .. }, Shape::Members { name: other, members: those, .. }) => {
+            (
+                MemoryLayout::Members { name, members, .. },
+                MemoryLayout::Members { name: other, members: those, .. },
+            ) => {
                 // The state of a native block is more than its pins.
                 let native = |program: &Program, name: &str| program.native(name).map(|native| native.name);
                 let (before, after) = (native(self.old, name), native(self.new, other));
@@ -115,11 +118,11 @@ impl ProgramChange<'_> {
                 self.members((members, was.1), (those, is.1), depth);
             }
             (
-                Shape::Array { dimensions, of, stride },
-                Shape::Array { dimensions: bounds, of: item, stride: step },
+                MemoryLayout::Array { dimensions, of, stride },
+                MemoryLayout::Array { dimensions: bounds, of: item, stride: step },
             ) if dimensions.len() == bounds.len() => {
                 let elementary =
-                    |program: &Program, of: ShapeId| program.shape(of).and_then(Shape::elementary);
+                    |program: &Program, of: ShapeId| program.shape(of).and_then(MemoryLayout::elementary);
                 let (before, after) = (elementary(self.old, *of), elementary(self.new, *item));
                 if before.is_some() && before == after && dimensions == bounds {
                     self.keep(was.1, is.1, old.bytes());
@@ -152,7 +155,7 @@ impl ProgramChange<'_> {
                     self.report.lost += gone.count() * leaves(self.old, *of, depth);
                 }
             }
-            (Shape::Text { wide, length }, Shape::Text { wide: other, length: room }) => {
+            (MemoryLayout::Text { wide, length }, MemoryLayout::Text { wide: other, length: room }) => {
                 let same = (wide, length) == (other, room);
                 if same {
                     self.keep(was.1, is.1, old.bytes());
@@ -217,7 +220,8 @@ impl ProgramChange<'_> {
         for forced in &self.from.forced {
             let at = forced.variable.address();
             if let (true, Some(ty)) = (at >= was && at < was + bytes, forced.variable.ty()) {
-                let moved = super::Forced { variable: VarRef::new(at - was + is, ty), cell: forced.cell };
+                let moved =
+                    super::ForcedVariable { variable: VarRef::new(at - was + is, ty), cell: forced.cell };
                 if !self.to.forced.iter().any(|known| known.variable == moved.variable) {
                     self.to.forced.push(moved);
                 }
@@ -227,11 +231,11 @@ impl ProgramChange<'_> {
 }
 
 /// Whether a value is one of the new type: limits of a subrange and names of an enumeration may have changed.
-fn within(shape: &Shape, machine: &Machine, address: u32) -> bool {
+fn within(shape: &MemoryLayout, machine: &Machine, address: u32) -> bool {
     let Some(ty) = shape.elementary().filter(|_| address < map::OWN_END) else { return true };
     let Some((_, cell)) = machine.cell(VarRef::new(address, ty)) else { return true };
     match shape {
-        Shape::Subrange { low, high, .. } => cell >= *low && cell <= *high,
+        MemoryLayout::Subrange { low, high, .. } => cell >= *low && cell <= *high,
         _ => true,
     }
 }
@@ -240,13 +244,15 @@ fn within(shape: &Shape, machine: &Machine, address: u32) -> bool {
 fn leaves(program: &Program, id: ShapeId, depth: u32) -> usize {
     match program.shape(id) {
         Some(shape) if depth > DEPTH || shape.bytes() == 0 => 0,
-        Some(Shape::Members { members, .. }) => {
+        Some(MemoryLayout::Members { members, .. }) => {
             members.iter().map(|member| leaves(program, member.shape, depth + 1)).sum()
         }
-        Some(Shape::Array { dimensions, of, .. }) => match program.shape(*of).and_then(Shape::elementary) {
-            Some(_) => 1,
-            None => (count(dimensions) as usize).saturating_mul(leaves(program, *of, depth + 1)),
-        },
+        Some(MemoryLayout::Array { dimensions, of, .. }) => {
+            match program.shape(*of).and_then(MemoryLayout::elementary) {
+                Some(_) => 1,
+                None => (count(dimensions) as usize).saturating_mul(leaves(program, *of, depth + 1)),
+            }
+        }
         Some(_) => 1,
         None => 0,
     }

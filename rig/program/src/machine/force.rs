@@ -6,7 +6,7 @@ use signal::Value;
 
 /// A variable that is held.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Forced {
+pub(super) struct ForcedVariable {
     pub variable: VarRef,
     pub cell: i64,
 }
@@ -18,7 +18,7 @@ impl Machine {
         let cell = variable.ty().and_then(|ty| Some(ty.wrap(ty.cell(value)?)));
         let Some(cell) = cell.filter(|cell| self.set_cell(variable, *cell)) else { return false };
         self.release(variable);
-        self.forced.push(Forced { variable, cell });
+        self.forced.push(ForcedVariable { variable, cell });
         true
     }
 
@@ -44,7 +44,7 @@ impl Machine {
     /// Sets what is held.
     pub(super) fn apply_forced(&mut self) {
         for place in 0..self.forced.len() {
-            if let Some(Forced { variable, cell }) = self.forced.get(place).copied() {
+            if let Some(ForcedVariable { variable, cell }) = self.forced.get(place).copied() {
                 self.set_cell(variable, cell);
             }
         }

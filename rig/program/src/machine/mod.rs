@@ -8,14 +8,14 @@ mod retain;
 
 pub use change::{ChangeError, ChangeReport};
 
-use crate::host::{Host, Slice, Stop};
+use crate::host::{Host, MachineSlice, StopReason};
 use crate::program::{Program, VarRef};
-use crate::run::{MachineParts, Prepared, finish_service, run};
+use crate::run::{MachineParts, PreparedCode, finish_service, run};
 use crate::state::{
-    Debug, MachineError, NEAR, PinOffsets, READ_ONLY, RETAINED, Scratch, ServiceCall, Task, WATCHED,
+    Debug, MachineError, NEAR, PinOffsets, READ_ONLY, RETAINED, Scratch, ServiceCall, TaskState, WATCHED,
 };
 use crate::types::Elementary;
-use force::Forced;
+use force::ForcedVariable;
 use signal::{Span, Time, Value};
 use std::ops::Range;
 use std::sync::Arc;
@@ -24,17 +24,17 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Machine {
     program: Arc<Program>,
-    prepared: Arc<Prepared>,
+    prepared: Arc<PreparedCode>,
     natives: Arc<[PinOffsets]>,
     /// The program's memory, then the stacks of the tasks.
     memory: Vec<u8>,
     /// For each byte.
     flags: Vec<u8>,
     dirty: bool,
-    tasks: Vec<Task>,
+    tasks: Vec<TaskState>,
     scratch: Scratch,
     debug: Debug,
-    forced: Vec<Forced>,
+    forced: Vec<ForcedVariable>,
 }
 
 impl Machine {
@@ -52,7 +52,7 @@ impl Machine {
                 unit.ok_or(MachineError::NoSuchProgram { task, program: *program_place })
             };
             let units: Result<Vec<u16>, MachineError> = places.iter().map(unit).collect();
-            let task = Task::new(&program, units?, end)?;
+            let task = TaskState::new(&program, units?, end)?;
             end = task.end as usize;
             made.push(task);
         }
@@ -64,7 +64,7 @@ impl Machine {
             dirty: false,
             tasks: made,
             scratch: Scratch::new(&program),
-            prepared: Arc::new(Prepared::new(&program)),
+            prepared: Arc::new(PreparedCode::new(&program)),
             natives: program.natives.iter().map(|native| PinOffsets::new(native)).collect(),
             debug: Debug::default(),
             forced: Vec::new(),
@@ -114,14 +114,14 @@ impl Machine {
     ///
     /// Operations are indivisible and take effect when they complete: an operation that does not fit waits for a
     /// later slice. So results and times do not depend on how a cycle is cut into slices. A task without a cycle
-    /// under way is [`Stop::Done`] at once.
-    pub fn resume(&mut self, task: usize, now: Time, budget: Span, host: &mut dyn Host) -> Slice {
+    /// under way is [`StopReason::Done`] at once.
+    pub fn resume(&mut self, task: usize, now: Time, budget: Span, host: &mut dyn Host) -> MachineSlice {
         let Some(task) = self.tasks.get_mut(task) else {
-            return Slice { used: Span::ZERO, stop: Stop::Done };
+            return MachineSlice { used: Span::ZERO, stop: StopReason::Done };
         };
         if let Some(ServiceCall { call, service, argument, answer }) = task.asks {
-            let nothing = |stop| Slice { used: Span::ZERO, stop };
-            let Some(answer) = answer else { return nothing(Stop::Service { service, argument }) };
+            let nothing = |stop| MachineSlice { used: Span::ZERO, stop };
+            let Some(answer) = answer else { return nothing(StopReason::Service { service, argument }) };
             task.asks = None;
             let place = (call, answer);
             let (stop, changed) =
@@ -150,13 +150,13 @@ impl Machine {
             run::<false>(parts, task, now, budget, host)
         };
         self.dirty |= changed & RETAINED != 0;
-        if slice.stop == Stop::Done && !idle {
+        if slice.stop == StopReason::Done && !idle {
             self.apply_forced();
         }
         slice
     }
 
-    /// Answers what a task asked for with [`Stop::Service`]: the result of the call, cut to its type. Nothing happens
+    /// Answers what a task asked for with [`StopReason::Service`]: the result of the call, cut to its type. Nothing happens
     /// where the task waits for none.
     pub fn answer(&mut self, task: usize, result: i64) {
         if let Some(asks) = self.tasks.get_mut(task).and_then(|task| task.asks.as_mut()) {
@@ -218,7 +218,7 @@ impl Machine {
         true
     }
 
-    /// From now on a change of this variable by the program stops the slice with [`Stop::Touched`].
+    /// From now on a change of this variable by the program stops the slice with [`StopReason::Touched`].
     pub fn watch(&mut self, variable: VarRef) {
         if let Some(range) = variable.bytes() {
             self.flag(range, WATCHED);

@@ -18,10 +18,10 @@ pub(crate) struct Name {
 
 /// Everything that the sources declare.
 #[derive(Debug, Default)]
-pub(crate) struct Unit {
+pub(crate) struct SourceUnit {
     pub pous: Vec<Pou>,
     pub types: Vec<TypeDecl>,
-    pub interfaces: Vec<Interface>,
+    pub interfaces: Vec<InterfaceDecl>,
     pub globals: Vec<Section>,
     pub configurations: Vec<Configuration>,
 }
@@ -110,7 +110,7 @@ pub(crate) struct Action {
 }
 
 #[derive(Debug)]
-pub(crate) struct Interface {
+pub(crate) struct InterfaceDecl {
     pub name: Name,
     pub extends: Vec<Name>,
     pub methods: Vec<Method>,
@@ -178,7 +178,7 @@ pub(crate) struct VarDecl {
     pub built: Option<Built>,
     /// R_EDGE, F_EDGE where TRUE.
     pub edge: Option<(bool, SourcePlace)>,
-    pub initial: Option<Initial>,
+    pub initial: Option<Initializer>,
 }
 
 /// What FB_Init of an instance is given: `block(level := 1)`; for an array one list for each element,
@@ -191,12 +191,12 @@ pub(crate) struct Built {
 }
 
 #[derive(Clone, Debug)]
-pub(crate) enum Initial {
+pub(crate) enum Initializer {
     One(Expr),
     /// `[1, 2, 3(0)]`: values with their number of repetitions.
-    List(Vec<(Option<Expr>, Initial)>, SourcePlace),
+    List(Vec<(Option<Expr>, Initializer)>, SourcePlace),
     /// `(a := 1, b := [1, 2])`: members of a structure, inputs of a block.
-    Members(Vec<(Name, Initial)>, SourcePlace),
+    Members(Vec<(Name, Initializer)>, SourcePlace),
 }
 
 #[derive(Clone, Debug)]
@@ -250,7 +250,7 @@ pub(crate) enum TypeKind {
 pub(crate) struct TypeDecl {
     pub name: Name,
     pub ty: TypeRef,
-    pub initial: Option<Initial>,
+    pub initial: Option<Initializer>,
 }
 
 #[derive(Clone, Debug)]

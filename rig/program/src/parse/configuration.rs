@@ -3,7 +3,7 @@
 use super::ast::{Configuration, ProgramDecl, TaskDecl};
 use super::lexer::Token;
 use super::words::Word;
-use super::{Parsed, Parser, Reported};
+use super::{AlreadyReported, Parsed, Parser};
 use crate::findings::SourcePlace;
 
 impl Parser<'_, '_, '_> {
@@ -44,7 +44,7 @@ impl Parser<'_, '_, '_> {
                     if self.accept_word(Word::EndConfiguration) {
                         return Ok(configuration);
                     }
-                    return Err(Reported);
+                    return Err(AlreadyReported);
                 }
                 _ if self.is(Token::End) => {
                     return Err(self.unclosed(Word::EndConfiguration, at));

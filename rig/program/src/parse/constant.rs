@@ -2,9 +2,9 @@
 
 use super::ast::{Expr, ExprKind, Name};
 use super::lexer::Token;
-use super::literal::LiteralFault;
+use super::literal::SourceLiteralFault;
 use super::words::Word;
-use super::{Parsed, Parser, Reported, literal, moment};
+use super::{AlreadyReported, Parsed, Parser, literal, moment};
 use crate::codes::Code;
 use crate::findings::SourcePlace;
 use crate::types::Elementary;
@@ -40,7 +40,7 @@ impl Parser<'_, '_, '_> {
         &mut self,
         code: Code,
         at: SourcePlace,
-        read: Result<T, LiteralFault>,
+        read: Result<T, SourceLiteralFault>,
         kind: impl FnOnce(T) -> ExprKind,
     ) -> ExprKind {
         match read {
@@ -112,7 +112,7 @@ impl Parser<'_, '_, '_> {
             return Err(self.error(Code::Text, at, message, help));
         }
         let read = match (read, typed) {
-            (Ok((_, units)), Some(_)) if units.len() != 1 => Err(LiteralFault::OneCharacter),
+            (Ok((_, units)), Some(_)) if units.len() != 1 => Err(SourceLiteralFault::OneCharacter),
             (read, _) => read,
         };
         Ok(self.literal(Code::Text, at, read, |(wide, units)| ExprKind::Text { wide, units, typed }))
@@ -148,7 +148,7 @@ impl Parser<'_, '_, '_> {
         if ty == Elementary::Bool {
             if negative || !matches!(read, Ok(0 | 1)) {
                 self.error(Code::Number, at, "BOOL is 0 or 1", "write BOOL#0 or BOOL#1");
-                return Err(Reported);
+                return Err(AlreadyReported);
             }
             return Ok(ExprKind::Bool(read == Ok(1)));
         }

@@ -1,16 +1,17 @@
 //! Units and what they hold: methods, properties, actions.
 
 use super::ast::{
-    Accessor, Action, Interface, Method, Modifiers, Name, Pou, PouKind, Property, Section, Stmt, Unit,
+    Accessor, Action, InterfaceDecl, Method, Modifiers, Name, Pou, PouKind, Property, Section, SourceUnit,
+    Stmt,
 };
 use super::lexer::Token;
 use super::words::Word;
-use super::{Parsed, Parser, Reported};
+use super::{AlreadyReported, Parsed, Parser};
 use crate::codes::Code;
 use crate::findings::SourcePlace;
 
 impl Parser<'_, '_, '_> {
-    pub(super) fn declarations(&mut self, unit: &mut Unit) {
+    pub(super) fn declarations(&mut self, unit: &mut SourceUnit) {
         let first = unit.pous.len();
         while !self.is(Token::End) {
             let start = self.at();
@@ -21,7 +22,7 @@ impl Parser<'_, '_, '_> {
     }
 
     /// `first`: place of the first unit of this source.
-    fn declaration(&mut self, unit: &mut Unit, first: usize) -> Parsed<()> {
+    fn declaration(&mut self, unit: &mut SourceUnit, first: usize) -> Parsed<()> {
         let kind = match self.word() {
             Some(Word::Program) => PouKind::Program,
             Some(Word::Function) => PouKind::Function,
@@ -335,12 +336,12 @@ impl Parser<'_, '_, '_> {
         Ok(Action { name, body, end })
     }
 
-    fn interface(&mut self) -> Parsed<Interface> {
+    fn interface(&mut self) -> Parsed<InterfaceDecl> {
         let open = self.expect_word(Word::Interface)?;
         self.modifiers();
         let name = self.new_name("the name of an interface")?;
         let extends = if self.accept_word(Word::Extends) { self.interface_names()? } else { Vec::new() };
-        let mut interface = Interface { name, extends, methods: Vec::new(), properties: Vec::new() };
+        let mut interface = InterfaceDecl { name, extends, methods: Vec::new(), properties: Vec::new() };
         while !self.accept_word(Word::EndInterface) {
             let start = self.at();
             let read = match self.word() {
@@ -362,9 +363,9 @@ impl Parser<'_, '_, '_> {
                 }
                 _ => Err(self.unexpected("METHOD, PROPERTY or END_INTERFACE")),
             };
-            if let Err(Reported) = read {
+            if let Err(AlreadyReported) = read {
                 if self.is(Token::End) {
-                    return Err(Reported);
+                    return Err(AlreadyReported);
                 }
                 self.skip_part(start);
             }

@@ -187,7 +187,7 @@ impl Parser<'_, '_, '_> {
             Token::Prefix => return self.typed(),
             Token::BadText => {
                 self.advance();
-                return Err(super::Reported);
+                return Err(super::AlreadyReported);
             }
             _ => match self.untyped_literal() {
                 Some(kind) => kind,

@@ -1,13 +1,13 @@
 //! Initial values.
 
-use super::ast::{Expr, ExprKind, Initial, Name, TypeKind, TypeRef};
+use super::ast::{Expr, ExprKind, Initializer, Name, TypeKind, TypeRef};
 use super::lexer::Token;
 use super::words::Word;
 use super::{Parsed, Parser};
 
 impl Parser<'_, '_, '_> {
     /// What stands after a type: `:=` and values, or nothing.
-    pub(super) fn initial_of(&mut self, ty: &TypeRef) -> Parsed<Option<Initial>> {
+    pub(super) fn initial_of(&mut self, ty: &TypeRef) -> Parsed<Option<Initializer>> {
         if self.at_word(Word::Ref) && self.next_is(Token::Equal) {
             let help = "assign it in a statement";
             return Err(self.unsupported(self.at(), "REF= in a declaration", help));
@@ -29,25 +29,25 @@ impl Parser<'_, '_, '_> {
         while self.accept(Token::Comma) {
             list.push(self.repeated()?);
         }
-        Ok(Some(Initial::List(list, start.to(self.last))))
+        Ok(Some(Initializer::List(list, start.to(self.last))))
     }
 
     /// `[1, 2]`, `(a := 1)` or an expression.
-    fn initial(&mut self) -> Parsed<Initial> {
+    fn initial(&mut self) -> Parsed<Initializer> {
         let open = self.at();
         if self.at_members() {
             self.advance();
             let members = self.nested(Self::member_values)?;
             let end = self.expect(Token::Close, "a comma or a closing bracket )")?;
-            return Ok(Initial::Members(members, open.to(end)));
+            return Ok(Initializer::Members(members, open.to(end)));
         }
         if !self.is(Token::OpenBracket) {
-            return Ok(Initial::One(self.expression()?));
+            return Ok(Initializer::One(self.expression()?));
         }
         self.advance();
         let list = self.nested(Self::values)?;
         let end = self.expect(Token::CloseBracket, "a comma or a closing bracket ]")?;
-        Ok(Initial::List(list, open.to(end)))
+        Ok(Initializer::List(list, open.to(end)))
     }
 
     /// Whether a bracket with values for members opens here.
@@ -55,7 +55,7 @@ impl Parser<'_, '_, '_> {
         self.is(Token::Open) && self.ahead(1).token == Token::Word && self.ahead(2).token == Token::Assign
     }
 
-    fn member_values(&mut self) -> Parsed<Vec<(Name, Initial)>> {
+    fn member_values(&mut self) -> Parsed<Vec<(Name, Initializer)>> {
         let mut members = Vec::new();
         loop {
             let name = self.name("the name of a member")?;
@@ -67,7 +67,7 @@ impl Parser<'_, '_, '_> {
         }
     }
 
-    fn values(&mut self) -> Parsed<Vec<(Option<Expr>, Initial)>> {
+    fn values(&mut self) -> Parsed<Vec<(Option<Expr>, Initializer)>> {
         let mut list = Vec::new();
         if self.is(Token::CloseBracket) {
             return Ok(list);
@@ -81,13 +81,13 @@ impl Parser<'_, '_, '_> {
     }
 
     /// `5`, or `10(5)` for ten times.
-    fn repeated(&mut self) -> Parsed<(Option<Expr>, Initial)> {
+    fn repeated(&mut self) -> Parsed<(Option<Expr>, Initializer)> {
         let value = self.initial()?;
-        let Initial::One(count @ Expr { kind: ExprKind::Number(..), .. }) = value else {
+        let Initializer::One(count @ Expr { kind: ExprKind::Number(..), .. }) = value else {
             return Ok((None, value));
         };
         if !self.is(Token::Open) {
-            return Ok((None, Initial::One(count)));
+            return Ok((None, Initializer::One(count)));
         }
         // `2(a := 1)` gives the members of two elements.
         let repeated = if self.at_members() {

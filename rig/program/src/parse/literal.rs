@@ -2,7 +2,7 @@
 
 /// Why a literal cannot be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum LiteralFault {
+pub(crate) enum SourceLiteralFault {
     /// Underscores may only stand singly between digits.
     Underscore,
     /// The base is not 2, 8 or 16.
@@ -47,7 +47,7 @@ pub(crate) enum LiteralFault {
     OneCharacter,
 }
 
-impl LiteralFault {
+impl SourceLiteralFault {
     /// What is wrong and how to fix it.
     pub(crate) fn text(self) -> (&'static str, &'static str) {
         match self {
@@ -98,51 +98,51 @@ impl LiteralFault {
 }
 
 /// `12`, `1_000`, `16#FF`.
-pub(crate) fn number(text: &str) -> Result<i128, LiteralFault> {
+pub(crate) fn number(text: &str) -> Result<i128, SourceLiteralFault> {
     let (base, digits) = match text.split_once('#') {
         None => (10, text),
         Some(("2", digits)) => (2, digits),
         Some(("8", digits)) => (8, digits),
         Some(("16", digits)) => (16, digits),
-        Some(_) => return Err(LiteralFault::Base),
+        Some(_) => return Err(SourceLiteralFault::Base),
     };
     underscores(digits)?;
     if digits.is_empty() {
-        return Err(LiteralFault::Digit);
+        return Err(SourceLiteralFault::Digit);
     }
     let mut number = 0i128;
     for digit in digits.chars().filter(|c| *c != '_') {
-        let digit = digit.to_digit(base).ok_or(LiteralFault::Digit)?;
+        let digit = digit.to_digit(base).ok_or(SourceLiteralFault::Digit)?;
         number = number * i128::from(base) + i128::from(digit);
         if number > i128::from(u64::MAX) {
-            return Err(LiteralFault::TooLarge);
+            return Err(SourceLiteralFault::TooLarge);
         }
     }
     Ok(number)
 }
 
 /// Single ones between digits are fine.
-pub(super) fn underscores(digits: &str) -> Result<(), LiteralFault> {
+pub(super) fn underscores(digits: &str) -> Result<(), SourceLiteralFault> {
     let misplaced = |part: &str| part.starts_with('_') || part.ends_with('_') || part.contains("__");
     if digits.split(['.', 'e', 'E', '+', '-']).any(misplaced) {
-        return Err(LiteralFault::Underscore);
+        return Err(SourceLiteralFault::Underscore);
     }
     Ok(())
 }
 
 /// The nearest double and the nearest single of `1.5`, `1_000.0E-3`, `1e10`.
-pub(crate) fn real(text: &str) -> Result<(f64, f32), LiteralFault> {
+pub(crate) fn real(text: &str) -> Result<(f64, f32), SourceLiteralFault> {
     underscores(text)?;
     let plain: String = text.chars().filter(|c| *c != '_').collect();
     let (double, single) = match (plain.parse::<f64>(), plain.parse::<f32>()) {
         (Ok(double), Ok(single)) => (double, single),
-        _ => return Err(LiteralFault::Digit),
+        _ => return Err(SourceLiteralFault::Digit),
     };
-    if double.is_finite() { Ok((double, single)) } else { Err(LiteralFault::TooLargeReal) }
+    if double.is_finite() { Ok((double, single)) } else { Err(SourceLiteralFault::TooLargeReal) }
 }
 
 /// The characters of `'text'` or `"text"`: ISO 8859-1, or UTF-16 where wide.
-pub(crate) fn text(literal: &str) -> Result<(bool, Vec<u16>), LiteralFault> {
+pub(crate) fn text(literal: &str) -> Result<(bool, Vec<u16>), SourceLiteralFault> {
     let wide = literal.starts_with('"');
     let inner = literal.get(1..literal.len().saturating_sub(1)).unwrap_or("");
     let mut units = Vec::with_capacity(inner.len());
@@ -153,7 +153,7 @@ pub(crate) fn text(literal: &str) -> Result<(bool, Vec<u16>), LiteralFault> {
         } else if wide {
             units.extend_from_slice(c.encode_utf16(&mut [0; 2]));
         } else {
-            let unit = u8::try_from(c).map_err(|_| LiteralFault::Character)?;
+            let unit = u8::try_from(c).map_err(|_| SourceLiteralFault::Character)?;
             units.push(u16::from(unit));
         }
     }
@@ -161,8 +161,8 @@ pub(crate) fn text(literal: &str) -> Result<(bool, Vec<u16>), LiteralFault> {
 }
 
 /// What stands after `$`. `$N` is one character, 16#0A.
-fn escaped(rest: &mut std::str::Chars<'_>, wide: bool) -> Result<u16, LiteralFault> {
-    let first = rest.next().ok_or(LiteralFault::Escape)?;
+fn escaped(rest: &mut std::str::Chars<'_>, wide: bool) -> Result<u16, SourceLiteralFault> {
+    let first = rest.next().ok_or(SourceLiteralFault::Escape)?;
     Ok(match first {
         '$' | '\'' | '"' => first as u16,
         'L' | 'l' | 'N' | 'n' => 0x0A,
@@ -170,9 +170,9 @@ fn escaped(rest: &mut std::str::Chars<'_>, wide: bool) -> Result<u16, LiteralFau
         'R' | 'r' => 0x0D,
         'T' | 't' => 0x09,
         _ => {
-            let mut unit = first.to_digit(16).ok_or(LiteralFault::Escape)?;
+            let mut unit = first.to_digit(16).ok_or(SourceLiteralFault::Escape)?;
             for _ in 1..if wide { 4 } else { 2 } {
-                let digit = rest.next().and_then(|c| c.to_digit(16)).ok_or(LiteralFault::Escape)?;
+                let digit = rest.next().and_then(|c| c.to_digit(16)).ok_or(SourceLiteralFault::Escape)?;
                 unit = unit << 4 | digit;
             }
             unit as u16
@@ -190,12 +190,12 @@ mod tests {
         assert_eq!(number("16#FFFF_FFFF_ffff_FFFF"), Ok(i128::from(u64::MAX)));
         assert_eq!(number("2#1010"), Ok(10));
         assert_eq!(number("8#17"), Ok(15));
-        assert_eq!(number("2#12"), Err(LiteralFault::Digit));
-        assert_eq!(number("16#"), Err(LiteralFault::Digit));
-        assert_eq!(number("3#1"), Err(LiteralFault::Base));
-        assert_eq!(number("1__0"), Err(LiteralFault::Underscore));
+        assert_eq!(number("2#12"), Err(SourceLiteralFault::Digit));
+        assert_eq!(number("16#"), Err(SourceLiteralFault::Digit));
+        assert_eq!(number("3#1"), Err(SourceLiteralFault::Base));
+        assert_eq!(number("1__0"), Err(SourceLiteralFault::Underscore));
         assert_eq!(number("18446744073709551615"), Ok(i128::from(u64::MAX)));
-        assert_eq!(number("18446744073709551616"), Err(LiteralFault::TooLarge));
+        assert_eq!(number("18446744073709551616"), Err(SourceLiteralFault::TooLarge));
     }
 
     #[test]
@@ -208,9 +208,9 @@ mod tests {
         let (double, single) = real(halfway).unwrap();
         assert_eq!((double as f32, single), (1.0, 1.000_000_1));
         assert_eq!(real("1.0E39").unwrap().1, f32::INFINITY);
-        assert_eq!(real("1.0E309"), Err(LiteralFault::TooLargeReal));
-        assert_eq!(real("1_.0"), Err(LiteralFault::Underscore));
-        assert_eq!(real("1.0_E1"), Err(LiteralFault::Underscore));
+        assert_eq!(real("1.0E309"), Err(SourceLiteralFault::TooLargeReal));
+        assert_eq!(real("1_.0"), Err(SourceLiteralFault::Underscore));
+        assert_eq!(real("1.0_E1"), Err(SourceLiteralFault::Underscore));
     }
 
     #[test]
@@ -231,10 +231,10 @@ mod tests {
         assert_eq!(narrow("'a$$$'$\"b'"), Ok("a$'\"b".bytes().map(u16::from).collect()));
         assert_eq!(narrow("'$L$l$N$n$P$R$T'"), Ok(vec![10, 10, 10, 10, 12, 13, 9]));
         assert_eq!(narrow("'$41$fF\u{e9}'"), Ok(vec![0x41, 0xFF, 0xE9]));
-        assert_eq!(narrow("'\u{20ac}'"), Err(LiteralFault::Character));
-        assert_eq!(narrow("'$4'"), Err(LiteralFault::Escape));
-        assert_eq!(narrow("'$x'"), Err(LiteralFault::Escape));
+        assert_eq!(narrow("'\u{20ac}'"), Err(SourceLiteralFault::Character));
+        assert_eq!(narrow("'$4'"), Err(SourceLiteralFault::Escape));
+        assert_eq!(narrow("'$x'"), Err(SourceLiteralFault::Escape));
         assert_eq!(wide("\"\u{20ac}\u{1f600}$263A\""), Ok(vec![0x20AC, 0xD83D, 0xDE00, 0x263A]));
-        assert_eq!(wide("\"$41\""), Err(LiteralFault::Escape));
+        assert_eq!(wide("\"$41\""), Err(SourceLiteralFault::Escape));
     }
 }

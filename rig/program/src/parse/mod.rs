@@ -21,8 +21,8 @@ mod types;
 pub(crate) mod words;
 
 use crate::codes::Code;
-use crate::findings::{Findings, SourcePlace};
-use ast::{Name, Unit};
+use crate::findings::{CompileFindings, SourcePlace};
+use ast::{Name, SourceUnit};
 use document::SourceFile;
 use lexer::Token;
 pub use lexer::{declares, mentions};
@@ -41,16 +41,20 @@ const LONG_NAME: usize = 32;
 
 /// The fault has been reported.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Reported;
+pub(crate) struct AlreadyReported;
 
-type Parsed<T> = Result<T, Reported>;
+type Parsed<T> = Result<T, AlreadyReported>;
 
 /// Sources that a place can tell apart.
 const MOST_SOURCES: usize = 65_535;
 
 /// Reads all sources into one unit.
-pub(crate) fn parse(sources: &[SourceFile], names: &mut NameTable, findings: &mut Findings<'_>) -> Unit {
-    let mut unit = Unit::default();
+pub(crate) fn parse(
+    sources: &[SourceFile],
+    names: &mut NameTable,
+    findings: &mut CompileFindings<'_>,
+) -> SourceUnit {
+    let mut unit = SourceUnit::default();
     if sources.len() > MOST_SOURCES {
         let message = format!("{} sources are too many", sources.len());
         let help = format!("join some of them: at most {MOST_SOURCES} are read");
@@ -102,7 +106,7 @@ struct Parser<'t, 'p, 's> {
     /// The token before the present one.
     last: SourcePlace,
     names: &'p NameTable,
-    findings: &'p mut Findings<'s>,
+    findings: &'p mut CompileFindings<'s>,
     depth: usize,
     /// Nodes above each other in the expression that was read last.
     height: usize,
@@ -212,7 +216,7 @@ impl<'t> Parser<'t, '_, '_> {
             self.error(Code::Unexpected, at, message, "end the statement or declaration with ;");
         }
         let between = SourcePlace { start: self.last.end, end: self.tok.start, ..self.last };
-        if self.is(Token::Word) && self.slice(between).contains('\n') { Ok(()) } else { Err(Reported) }
+        if self.is(Token::Word) && self.slice(between).contains('\n') { Ok(()) } else { Err(AlreadyReported) }
     }
 
     /// What the present token is, in words.
@@ -234,12 +238,12 @@ impl<'t> Parser<'t, '_, '_> {
         at: SourcePlace,
         message: impl Into<String>,
         help: impl Into<String>,
-    ) -> Reported {
+    ) -> AlreadyReported {
         self.findings.error(code, at, message, help);
         if self.findings.full() {
             self.give_up();
         }
-        Reported
+        AlreadyReported
     }
 
     fn give_up(&mut self) {
@@ -247,9 +251,9 @@ impl<'t> Parser<'t, '_, '_> {
         self.tok = Tok::END;
     }
 
-    fn unexpected(&mut self, what: &str) -> Reported {
+    fn unexpected(&mut self, what: &str) -> AlreadyReported {
         if self.silent() {
-            return Reported;
+            return AlreadyReported;
         }
         let message = format!("{what} is expected here, not {}", self.found());
         let help = match self.is(Token::Word) && Word::is_reserved(self.tok.key) {
@@ -260,7 +264,7 @@ impl<'t> Parser<'t, '_, '_> {
     }
 
     /// `word` is missing, which closes what `open` opened.
-    fn unclosed(&mut self, word: Word, open: SourcePlace) -> Reported {
+    fn unclosed(&mut self, word: Word, open: SourcePlace) -> AlreadyReported {
         if !self.silent() {
             let word = word.text();
             let message = format!("{word} is expected here, not {}", self.found());
@@ -271,11 +275,11 @@ impl<'t> Parser<'t, '_, '_> {
                 self.give_up();
             }
         }
-        Reported
+        AlreadyReported
     }
 
     /// A part of the language that is refused, with what to write instead.
-    fn unsupported(&mut self, at: SourcePlace, what: &str, help: &str) -> Reported {
+    fn unsupported(&mut self, at: SourcePlace, what: &str, help: &str) -> AlreadyReported {
         self.error(Code::Unsupported, at, format!("{what} is not supported"), help)
     }
 
@@ -341,12 +345,12 @@ impl<'t> Parser<'t, '_, '_> {
         result
     }
 
-    fn too_deep(&mut self) -> Reported {
+    fn too_deep(&mut self) -> AlreadyReported {
         if !self.given_up {
             let message = format!("more than {MAX_DEPTH} brackets or blocks inside each other");
             self.error(Code::Nesting, self.at(), message, "split it up; the rest was not read");
             self.give_up();
         }
-        Reported
+        AlreadyReported
     }
 }

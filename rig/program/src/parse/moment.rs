@@ -1,33 +1,33 @@
 //! Durations, dates and times of day.
 
-use super::literal::{LiteralFault, number, underscores};
+use super::literal::{SourceLiteralFault, number, underscores};
 use crate::types::Elementary;
 
 const SECOND: i128 = 1_000_000_000;
 const DAY: i128 = 86_400 * SECOND;
 
 /// Type and cell of `T#1h30m`, `LTIME#1.5us`.
-pub(crate) fn duration(text: &str) -> Result<(i64, Elementary), LiteralFault> {
+pub(crate) fn duration(text: &str) -> Result<(i64, Elementary), SourceLiteralFault> {
     let (prefix, body) = text.split_once('#').unwrap_or(("", text));
     let body = body.to_ascii_lowercase();
     let (nanoseconds, exact) = nanoseconds(&body)?;
     if prefix.eq_ignore_ascii_case("LT") || prefix.eq_ignore_ascii_case("LTIME") {
         if !exact {
-            return Err(LiteralFault::FinerThanNanoseconds);
+            return Err(SourceLiteralFault::FinerThanNanoseconds);
         }
-        let cell = i64::try_from(nanoseconds).map_err(|_| LiteralFault::TooLongLong)?;
+        let cell = i64::try_from(nanoseconds).map_err(|_| SourceLiteralFault::TooLongLong)?;
         return Ok((cell, Elementary::Ltime));
     }
     // Decimals that are finer than the type are cut off, as where LTIME becomes TIME; units that are finer are a slip.
     if nanoseconds % 1_000_000 != 0 && (body.ends_with("us") || body.ends_with("ns")) {
-        return Err(LiteralFault::TooFine);
+        return Err(SourceLiteralFault::TooFine);
     }
-    let cell = u32::try_from(nanoseconds / 1_000_000).map_err(|_| LiteralFault::TooLong)?;
+    let cell = u32::try_from(nanoseconds / 1_000_000).map_err(|_| SourceLiteralFault::TooLong)?;
     Ok((i64::from(cell), Elementary::Time))
 }
 
 /// Nanoseconds of `1d2h3m4s5ms`, in small letters, and whether they are whole; what is finer is cut off.
-fn nanoseconds(body: &str) -> Result<(i128, bool), LiteralFault> {
+fn nanoseconds(body: &str) -> Result<(i128, bool), SourceLiteralFault> {
     const UNITS: [(&str, i128); 7] = [
         ("d", DAY),
         ("h", 3_600 * SECOND),
@@ -38,11 +38,11 @@ fn nanoseconds(body: &str) -> Result<(i128, bool), LiteralFault> {
         ("ns", 1),
     ];
     let mut rest = match body.strip_prefix('-') {
-        Some(_) => return Err(LiteralFault::Negative),
+        Some(_) => return Err(SourceLiteralFault::Negative),
         None => body.strip_prefix('+').unwrap_or(body),
     };
     if rest.is_empty() {
-        return Err(LiteralFault::Duration);
+        return Err(SourceLiteralFault::Duration);
     }
     let mut total = 0i128;
     let mut units = UNITS.iter();
@@ -52,19 +52,19 @@ fn nanoseconds(body: &str) -> Result<(i128, bool), LiteralFault> {
         first = false;
         let number_end = rest
             .find(|c: char| !(c.is_ascii_digit() || c == '.' || c == '_'))
-            .ok_or(LiteralFault::Duration)?;
+            .ok_or(SourceLiteralFault::Duration)?;
         let (digits, after) = rest.split_at(number_end);
         let unit_end = after.find(|c: char| !c.is_ascii_lowercase()).unwrap_or(after.len());
         let (unit, after) = after.split_at(unit_end);
         // Units go down, and only the last number may have a fraction.
-        let (_, scale) = units.find(|(name, _)| *name == unit).ok_or(LiteralFault::Duration)?;
+        let (_, scale) = units.find(|(name, _)| *name == unit).ok_or(SourceLiteralFault::Duration)?;
         if fraction_seen {
-            return Err(LiteralFault::Duration);
+            return Err(SourceLiteralFault::Duration);
         }
         let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
         fraction_seen = digits.contains('.');
         if whole.is_empty() || fraction_seen && fraction.is_empty() {
-            return Err(LiteralFault::Duration);
+            return Err(SourceLiteralFault::Duration);
         }
         underscores(fraction)?;
         total += number(whole)? * scale;
@@ -77,20 +77,20 @@ fn nanoseconds(body: &str) -> Result<(i128, bool), LiteralFault> {
 }
 
 /// `0.fraction` times `scale`, and whether that is whole.
-fn scaled(fraction: &str, scale: i128) -> Result<(i128, bool), LiteralFault> {
+fn scaled(fraction: &str, scale: i128) -> Result<(i128, bool), SourceLiteralFault> {
     let (mut sum, mut place) = (0i128, 1i128);
     // Zeros at the end say nothing; more than 18 places cannot be whole in any unit.
     let digits: Vec<char> = fraction.trim_end_matches(['0', '_']).chars().filter(|c| *c != '_').collect();
     let whole = digits.len() <= 18;
     for digit in digits.into_iter().take(18) {
-        sum = sum * 10 + i128::from(digit.to_digit(10).ok_or(LiteralFault::Duration)?);
+        sum = sum * 10 + i128::from(digit.to_digit(10).ok_or(SourceLiteralFault::Duration)?);
         place *= 10;
     }
     Ok((sum * scale / place, whole && sum * scale % place == 0))
 }
 
 /// Type and cell of `D#2024-02-29`, `TOD#12:34:56.789`, `LDT#2024-02-29-12:34:56.789`.
-pub(crate) fn date(text: &str) -> Result<(i64, Elementary), LiteralFault> {
+pub(crate) fn date(text: &str) -> Result<(i64, Elementary), SourceLiteralFault> {
     let (prefix, body) = text.split_once('#').unwrap_or(("", text));
     let (long, name) = match prefix.strip_prefix(['L', 'l']) {
         Some(name) => (true, name),
@@ -103,26 +103,26 @@ pub(crate) fn date(text: &str) -> Result<(i64, Elementary), LiteralFault> {
         (clock(body)?, 1_000_000, if long { Elementary::Ltod } else { Elementary::Tod })
     } else {
         // The third dash divides date and time.
-        let (at, _) = body.match_indices('-').nth(2).ok_or(LiteralFault::DateAndTime)?;
+        let (at, _) = body.match_indices('-').nth(2).ok_or(SourceLiteralFault::DateAndTime)?;
         let (date, time) = body.split_at(at);
         let total = days(date)? * DAY + clock(time.trim_start_matches('-'))?;
         (total, SECOND, if long { Elementary::Ldt } else { Elementary::Dt })
     };
     let unit = if long { 1 } else { unit };
     if total % unit != 0 {
-        return Err(LiteralFault::FinerThanType);
+        return Err(SourceLiteralFault::FinerThanType);
     }
     let last = if long { i128::from(i64::MAX) } else { i128::from(u32::MAX) };
-    let cell = i64::try_from(total / unit).map_err(|_| LiteralFault::OutsideCalendar)?;
-    if i128::from(cell) > last { Err(LiteralFault::OutsideCalendar) } else { Ok((cell, ty)) }
+    let cell = i64::try_from(total / unit).map_err(|_| SourceLiteralFault::OutsideCalendar)?;
+    if i128::from(cell) > last { Err(SourceLiteralFault::OutsideCalendar) } else { Ok((cell, ty)) }
 }
 
 /// Days from 1970-01-01 to `2024-02-29`.
-fn days(text: &str) -> Result<i128, LiteralFault> {
-    let mut parts = text.split('-').map(|part| decimal(part, LiteralFault::Date));
+fn days(text: &str) -> Result<i128, SourceLiteralFault> {
+    let mut parts = text.split('-').map(|part| decimal(part, SourceLiteralFault::Date));
     let (Some(year), Some(month), Some(day), None) = (parts.next(), parts.next(), parts.next(), parts.next())
     else {
-        return Err(LiteralFault::Date);
+        return Err(SourceLiteralFault::Date);
     };
     let (year, month, day) = (year?, month?, day?);
     let leap = |year: i128| year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
@@ -132,10 +132,10 @@ fn days(text: &str) -> Result<i128, LiteralFault> {
         _ => 31,
     };
     if !(1..=12).contains(&month) || day < 1 || day > length(month) {
-        return Err(LiteralFault::NoSuchDay);
+        return Err(SourceLiteralFault::NoSuchDay);
     }
     if !(1970..=9999).contains(&year) {
-        return Err(LiteralFault::OutsideCalendar);
+        return Err(SourceLiteralFault::OutsideCalendar);
     }
     // Every fourth year before this one was longer by a day, but for three centuries in four.
     let leaps = |year: i128| (year - 1) / 4 - (year - 1) / 100 + (year - 1) / 400;
@@ -144,33 +144,33 @@ fn days(text: &str) -> Result<i128, LiteralFault> {
 }
 
 /// Nanoseconds from midnight to `12:34:56.789`; the seconds may be left out.
-fn clock(text: &str) -> Result<i128, LiteralFault> {
+fn clock(text: &str) -> Result<i128, SourceLiteralFault> {
     let mut parts = text.split(':');
     let (Some(hour), Some(minute)) = (parts.next(), parts.next()) else {
-        return Err(LiteralFault::TimeOfDay);
+        return Err(SourceLiteralFault::TimeOfDay);
     };
     let second = parts.next().unwrap_or("0");
     if parts.next().is_some() {
-        return Err(LiteralFault::TimeOfDay);
+        return Err(SourceLiteralFault::TimeOfDay);
     }
     let (second, fraction) = second.split_once('.').unwrap_or((second, ""));
-    let whole = |part| decimal(part, LiteralFault::TimeOfDay);
+    let whole = |part| decimal(part, SourceLiteralFault::TimeOfDay);
     let (hour, minute, second) = (whole(hour)?, whole(minute)?, whole(second)?);
     if hour > 23 || minute > 59 || second > 59 {
-        return Err(LiteralFault::NoSuchTime);
+        return Err(SourceLiteralFault::NoSuchTime);
     }
     if fraction.contains('_') {
-        return Err(LiteralFault::TimeOfDay);
+        return Err(SourceLiteralFault::TimeOfDay);
     }
-    let (part, exact) = scaled(fraction, SECOND).map_err(|_| LiteralFault::TimeOfDay)?;
+    let (part, exact) = scaled(fraction, SECOND).map_err(|_| SourceLiteralFault::TimeOfDay)?;
     if !exact {
-        return Err(LiteralFault::FinerThanType);
+        return Err(SourceLiteralFault::FinerThanType);
     }
     Ok(((hour * 60 + minute) * 60 + second) * SECOND + part)
 }
 
 /// Up to four digits.
-fn decimal(text: &str, fault: LiteralFault) -> Result<i128, LiteralFault> {
+fn decimal(text: &str, fault: SourceLiteralFault) -> Result<i128, SourceLiteralFault> {
     let fine = (1..=4).contains(&text.len()) && text.bytes().all(|byte| byte.is_ascii_digit());
     if fine { text.parse().map_err(|_| fault) } else { Err(fault) }
 }
@@ -196,15 +196,15 @@ mod tests {
         assert_eq!(time("T#1000us"), Ok(1));
         assert_eq!(time("T#0.50000000000000000000000000000s"), Ok(500));
         assert_eq!(time("T#4294967295ms"), Ok(4_294_967_295));
-        assert_eq!(time("T#4294967296ms"), Err(LiteralFault::TooLong));
-        assert_eq!(time("T#1s1m"), Err(LiteralFault::Duration));
-        assert_eq!(time("T#1s1s"), Err(LiteralFault::Duration));
-        assert_eq!(time("T#1.5s1ms"), Err(LiteralFault::Duration));
-        assert_eq!(time("T#.5s"), Err(LiteralFault::Duration));
+        assert_eq!(time("T#4294967296ms"), Err(SourceLiteralFault::TooLong));
+        assert_eq!(time("T#1s1m"), Err(SourceLiteralFault::Duration));
+        assert_eq!(time("T#1s1s"), Err(SourceLiteralFault::Duration));
+        assert_eq!(time("T#1.5s1ms"), Err(SourceLiteralFault::Duration));
+        assert_eq!(time("T#.5s"), Err(SourceLiteralFault::Duration));
         assert_eq!((time("T#5.5ms"), time("T#0.5ms"), time("T#1m2.3456s")), (Ok(5), Ok(0), Ok(62_345)));
         assert_eq!(time("T#0.3333333333333333333333s"), Ok(333));
-        assert_eq!(time("T#1us"), Err(LiteralFault::TooFine));
-        assert_eq!(time("T#-1s"), Err(LiteralFault::Negative));
+        assert_eq!(time("T#1us"), Err(SourceLiteralFault::TooFine));
+        assert_eq!(time("T#-1s"), Err(SourceLiteralFault::Negative));
         for text in ["T#", "T#5", "T#s", "T#5x", "T#_5s", "T#1h__5m"] {
             assert!(duration(text).is_err(), "{text}");
         }
@@ -220,11 +220,11 @@ mod tests {
         };
         assert_eq!(ltime("LTIME#1d2h3m4s5ms6us7ns"), Ok(93_784_005_006_007));
         assert_eq!(ltime("lt#1.5us"), Ok(1_500));
-        assert_eq!(ltime("LTIME#0.5ns"), Err(LiteralFault::FinerThanNanoseconds));
+        assert_eq!(ltime("LTIME#0.5ns"), Err(SourceLiteralFault::FinerThanNanoseconds));
         assert_eq!(ltime("LTIME#9223372036854775807ns"), Ok(i64::MAX));
-        assert_eq!(ltime("LTIME#9223372036854775808ns"), Err(LiteralFault::TooLongLong));
-        assert_eq!(ltime("LTIME#18446744073709551615d"), Err(LiteralFault::TooLongLong));
-        assert_eq!(ltime("LTIME#99999999999999999999d"), Err(LiteralFault::TooLarge));
+        assert_eq!(ltime("LTIME#9223372036854775808ns"), Err(SourceLiteralFault::TooLongLong));
+        assert_eq!(ltime("LTIME#18446744073709551615d"), Err(SourceLiteralFault::TooLongLong));
+        assert_eq!(ltime("LTIME#99999999999999999999d"), Err(SourceLiteralFault::TooLarge));
     }
 
     #[test]
@@ -236,17 +236,17 @@ mod tests {
         assert_eq!(date("d#2020-01-31"), Ok((1_580_428_800, Elementary::Date)));
         assert_eq!(date("D#2000-02-29"), Ok((951_782_400, Elementary::Date)));
         assert_eq!(date("D#2106-02-07"), Ok((4_294_944_000, Elementary::Date)));
-        assert_eq!(date("D#2106-02-08"), Err(LiteralFault::OutsideCalendar));
+        assert_eq!(date("D#2106-02-08"), Err(SourceLiteralFault::OutsideCalendar));
         assert_eq!(date("LDATE#2106-02-08"), Ok((4_295_030_400_000_000_000, Elementary::Ldate)));
         assert_eq!(date("LD#2262-04-11"), Ok((9_223_286_400_000_000_000, Elementary::Ldate)));
-        assert_eq!(date("LD#2262-04-12"), Err(LiteralFault::OutsideCalendar));
-        assert_eq!(date("D#1969-12-31"), Err(LiteralFault::OutsideCalendar));
-        assert_eq!(date("D#2023-02-29"), Err(LiteralFault::NoSuchDay));
-        assert_eq!(date("D#2100-02-29"), Err(LiteralFault::NoSuchDay));
-        assert_eq!(date("D#2023-13-01"), Err(LiteralFault::NoSuchDay));
-        assert_eq!(date("D#2023-00-01"), Err(LiteralFault::NoSuchDay));
+        assert_eq!(date("LD#2262-04-12"), Err(SourceLiteralFault::OutsideCalendar));
+        assert_eq!(date("D#1969-12-31"), Err(SourceLiteralFault::OutsideCalendar));
+        assert_eq!(date("D#2023-02-29"), Err(SourceLiteralFault::NoSuchDay));
+        assert_eq!(date("D#2100-02-29"), Err(SourceLiteralFault::NoSuchDay));
+        assert_eq!(date("D#2023-13-01"), Err(SourceLiteralFault::NoSuchDay));
+        assert_eq!(date("D#2023-00-01"), Err(SourceLiteralFault::NoSuchDay));
         for text in ["D#", "D#2023", "D#2023-01", "D#2023-01-01-01", "D#2023-1_0-1", "D#02023-01-01"] {
-            assert_eq!(date(text), Err(LiteralFault::Date), "{text}");
+            assert_eq!(date(text), Err(SourceLiteralFault::Date), "{text}");
         }
     }
 
@@ -257,13 +257,13 @@ mod tests {
         assert_eq!(date("tod#7:05"), Ok((25_500_000, Elementary::Tod)));
         assert_eq!(date("LTOD#0:0:0.000000001"), Ok((1, Elementary::Ltod)));
         assert_eq!(date("LTIME_OF_DAY#0:0:1"), Ok((1_000_000_000, Elementary::Ltod)));
-        assert_eq!(date("TOD#0:0:0.0001"), Err(LiteralFault::FinerThanType));
-        assert_eq!(date("LTOD#0:0:0.0000000001"), Err(LiteralFault::FinerThanType));
+        assert_eq!(date("TOD#0:0:0.0001"), Err(SourceLiteralFault::FinerThanType));
+        assert_eq!(date("LTOD#0:0:0.0000000001"), Err(SourceLiteralFault::FinerThanType));
         for text in ["TOD#24:00:00", "TOD#0:60:0", "TOD#0:0:60"] {
-            assert_eq!(date(text), Err(LiteralFault::NoSuchTime), "{text}");
+            assert_eq!(date(text), Err(SourceLiteralFault::NoSuchTime), "{text}");
         }
         for text in ["TOD#", "TOD#5", "TOD#1:2:3:4", "TOD#1::2", "TOD#1.5:3"] {
-            assert_eq!(date(text), Err(LiteralFault::TimeOfDay), "{text}");
+            assert_eq!(date(text), Err(SourceLiteralFault::TimeOfDay), "{text}");
         }
     }
 
@@ -272,10 +272,10 @@ mod tests {
         // `date -u -d '2020-01-31 12:34:56' +%s` of GNU coreutils.
         assert_eq!(date("DT#2020-01-31-12:34:56"), Ok((1_580_474_096, Elementary::Dt)));
         assert_eq!(date("DATE_AND_TIME#2106-02-07-06:28:15"), Ok((4_294_967_295, Elementary::Dt)));
-        assert_eq!(date("DT#2106-02-07-06:28:16"), Err(LiteralFault::OutsideCalendar));
-        assert_eq!(date("DT#2020-01-31-12:34:56.5"), Err(LiteralFault::FinerThanType));
+        assert_eq!(date("DT#2106-02-07-06:28:16"), Err(SourceLiteralFault::OutsideCalendar));
+        assert_eq!(date("DT#2020-01-31-12:34:56.5"), Err(SourceLiteralFault::FinerThanType));
         assert_eq!(date("LDT#2020-01-31-12:34:56.789"), Ok((1_580_474_096_789_000_000, Elementary::Ldt)));
         assert_eq!(date("LDATE_AND_TIME#1970-01-01-00:00:00.000000001"), Ok((1, Elementary::Ldt)));
-        assert_eq!(date("DT#2020-01-31"), Err(LiteralFault::DateAndTime));
+        assert_eq!(date("DT#2020-01-31"), Err(SourceLiteralFault::DateAndTime));
     }
 }

@@ -2,7 +2,7 @@
 
 use super::lexer::Token;
 use super::words::Word;
-use super::{Parsed, Parser, Reported};
+use super::{AlreadyReported, Parsed, Parser};
 use crate::findings::SourcePlace;
 
 impl Parser<'_, '_, '_> {
@@ -86,7 +86,7 @@ impl Parser<'_, '_, '_> {
             Some(Word::Try) => {
                 self.unsupported(at, "__TRY", "test for what could go wrong before it does");
                 self.skip_past(Word::EndTry, at);
-                Err(Reported)
+                Err(AlreadyReported)
             }
             Some(Word::InitialStep | Word::Step | Word::Transition) if next.is_name() && !assigned => {
                 let help = "write the steps as a CASE over a variable that holds the present one";
@@ -121,12 +121,12 @@ impl Parser<'_, '_, '_> {
     }
 
     /// Up to what closes the body. Declarations do not start inside another language.
-    fn skip_body(&mut self) -> Reported {
+    fn skip_body(&mut self) -> AlreadyReported {
         while !self.is(Token::End)
             && !self.word().is_some_and(|word| word.closes_declaration() || word.opens_declaration())
         {
             self.advance();
         }
-        Reported
+        AlreadyReported
     }
 }

@@ -3,7 +3,7 @@
 use super::ast::{AssignKind, CaseLabel, Counted, Expr, ExprKind, Stmt, StmtKind};
 use super::lexer::Token;
 use super::words::Word;
-use super::{Parsed, Parser, Reported};
+use super::{AlreadyReported, Parsed, Parser};
 use crate::codes::Code;
 use crate::findings::SourcePlace;
 
@@ -28,7 +28,7 @@ impl Parser<'_, '_, '_> {
             let start = self.at();
             match self.nested(Self::statement) {
                 Ok(kind) => list.push(Stmt { kind, at: start.to(self.last) }),
-                Err(Reported) => self.recover(start),
+                Err(AlreadyReported) => self.recover(start),
             }
         }
     }
@@ -215,7 +215,7 @@ impl Parser<'_, '_, '_> {
     fn head(&mut self, word: Word) -> Expr {
         let at = self.at();
         let read = self.expression().and_then(|expr| self.expect_word(word).map(|_| expr));
-        read.unwrap_or_else(|Reported| {
+        read.unwrap_or_else(|AlreadyReported| {
             self.recover_in_head(word);
             Expr { kind: ExprKind::Wrong, at }
         })
@@ -273,7 +273,7 @@ impl Parser<'_, '_, '_> {
             let start = self.at();
             match self.labels() {
                 Ok(labels) => arms.push((labels, self.statements(true))),
-                Err(Reported) => {
+                Err(AlreadyReported) => {
                     self.recover(start);
                     self.statements(true);
                 }
@@ -303,7 +303,7 @@ impl Parser<'_, '_, '_> {
         let open = self.expect_word(Word::For)?;
         let (variable, from, to, by) = match self.for_head() {
             Ok(head) => head,
-            Err(Reported) => {
+            Err(AlreadyReported) => {
                 self.recover_in_head(Word::Do);
                 let wrong = Expr { kind: ExprKind::Wrong, at: open };
                 (wrong.clone(), wrong.clone(), wrong, None)

@@ -8,16 +8,16 @@ mod robust;
 mod speed;
 mod walk;
 
-use super::ast::Unit;
+use super::ast::SourceUnit;
 use super::{NameTable, parse};
-use crate::findings::Findings;
+use crate::findings::CompileFindings;
 use document::{Diagnostic, SourceFile};
 
 /// What a text is read as, and the findings.
-fn read(text: &str) -> (Unit, NameTable, Vec<Diagnostic>) {
+fn read(text: &str) -> (SourceUnit, NameTable, Vec<Diagnostic>) {
     let sources = [SourceFile::new("test.st", text)];
     let mut names = NameTable::new();
-    let mut findings = Findings::new(&sources, 50);
+    let mut findings = CompileFindings::new(&sources, 50);
     let unit = parse(&sources, &mut names, &mut findings);
     (unit, names, findings.finish())
 }

@@ -5,7 +5,7 @@ use super::lexer::{LexFault, Token};
 use super::names::NameTable;
 use super::words::Word;
 use crate::codes::Code;
-use crate::findings::{Findings, SourcePlace};
+use crate::findings::{CompileFindings, SourcePlace};
 use logos::Logos;
 
 /// The key of what is no word.
@@ -37,7 +37,7 @@ pub(super) fn tokens(
     text: &str,
     file: u16,
     names: &mut NameTable,
-    findings: &mut Findings<'_>,
+    findings: &mut CompileFindings<'_>,
 ) -> (Vec<Tok>, bool) {
     let mut list = Vec::with_capacity(text.len() / 4);
     let mut lexer = Token::lexer(text);
@@ -107,7 +107,7 @@ fn word(text: &str, names: &mut NameTable) -> Key {
     }
 }
 
-fn character(at: SourcePlace, text: &str, findings: &mut Findings<'_>) {
+fn character(at: SourcePlace, text: &str, findings: &mut CompileFindings<'_>) {
     let text = text.get(at.start as usize..at.end as usize).unwrap_or("").chars().take(8).collect::<String>();
     let message = format!("`{}` is nothing that Structured Text knows", text.escape_debug());
     findings.error(Code::Character, at, message, "remove it");

@@ -1,6 +1,6 @@
 //! Types where they are used, and the TYPE block.
 
-use super::ast::{Built, Expr, TypeDecl, TypeKind, TypeRef, Unit};
+use super::ast::{Built, Expr, SourceUnit, TypeDecl, TypeKind, TypeRef};
 use super::lexer::Token;
 use super::words::Word;
 use super::{Parsed, Parser};
@@ -13,7 +13,7 @@ const CONSTRUCTOR_HELP: &str = "give initial values to the inputs, as in t : TON
 
 impl Parser<'_, '_, '_> {
     /// TYPE .. END_TYPE with any number of names.
-    pub(super) fn type_block(&mut self, unit: &mut Unit) -> Parsed<()> {
+    pub(super) fn type_block(&mut self, unit: &mut SourceUnit) -> Parsed<()> {
         let open = self.expect_word(Word::Type)?;
         while !self.accept_word(Word::EndType) {
             if self.accept(Token::Semicolon) {

@@ -1,7 +1,7 @@
 //! The code in the form that runs: operands with their base taken apart.
 
 use super::quick::{Quick, fold};
-use crate::code::{AddressBase, IndexOf, Op, Operand, Step};
+use crate::code::{AddressBase, CodeStep, IndexOf, Op, Operand};
 use crate::program::Program;
 
 /// Which base an operand's offset counts from.
@@ -41,18 +41,18 @@ pub(crate) struct FastIndex {
 
 /// Code and indexes in the form that runs. Places in them are those of the program.
 #[derive(Clone, Debug)]
-pub(crate) struct Prepared {
+pub(crate) struct PreparedCode {
     pub(super) code: Vec<FastStep>,
     pub(super) indexes: Vec<FastIndex>,
     pub(super) quick: Quick,
 }
 
-impl Prepared {
-    pub fn new(program: &Program) -> Prepared {
+impl PreparedCode {
+    pub fn new(program: &Program) -> PreparedCode {
         let code: Vec<FastStep> = program.code.iter().map(fast).collect();
         let indexes: Vec<FastIndex> = program.indexes.iter().map(index).collect();
         let quick = fold(&code, &indexes, program);
-        Prepared { code, indexes, quick }
+        PreparedCode { code, indexes, quick }
     }
 }
 
@@ -77,7 +77,7 @@ fn index(index: &IndexOf) -> FastIndex {
     }
 }
 
-fn fast(step: &Step) -> FastStep {
+fn fast(step: &CodeStep) -> FastStep {
     let mut fast = FastStep {
         op: step.op,
         from: [OperandBase::Zero; 3],

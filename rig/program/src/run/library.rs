@@ -3,7 +3,7 @@
 use super::text::TextSpan;
 use super::world::{By, ProgramMemory, Stored};
 use crate::code::{LibraryArgument, LibraryCall, LibraryCode, Operand, TextAt};
-use crate::host::FaultKind;
+use crate::host::ProgramFaultKind;
 use crate::library::{Body, Service, Text, TextCall, TextOut, from_text, to_text};
 use crate::native::{BlockBody, Native, Pins};
 use crate::state::{PinOffsets, READ_ONLY, Scratch, WATCHED};
@@ -11,7 +11,7 @@ use crate::types::Elementary;
 use signal::Time;
 
 /// What a call of the library came to.
-pub(super) enum Called {
+pub(super) enum CallResult {
     /// The result is stored.
     Done(Stored),
     /// The caller of the machine has to answer.
@@ -43,12 +43,12 @@ impl ProgramMemory<'_> {
         place: impl Fn(&[u8], Operand) -> Option<u32>,
         now: Time,
         by: By,
-    ) -> Result<Called, FaultKind> {
+    ) -> Result<CallResult, ProgramFaultKind> {
         let Scratch { bytes, cells } = scratch;
-        let place = |memory: &[u8], operand| place(memory, operand).ok_or(FaultKind::BadReference);
+        let place = |memory: &[u8], operand| place(memory, operand).ok_or(ProgramFaultKind::BadReference);
         let (out, mut rest) = match &call.result {
             LibraryArgument::Text(text) => {
-                bytes.split_at_mut_checked(text.bytes as usize).ok_or(FaultKind::Internal)?
+                bytes.split_at_mut_checked(text.bytes as usize).ok_or(ProgramFaultKind::Internal)?
             }
             LibraryArgument::Cell(..) => (&mut [][..], bytes.as_mut_slice()),
         };
@@ -58,13 +58,13 @@ impl ProgramMemory<'_> {
             match argument {
                 LibraryArgument::Cell(operand, ty) => {
                     let at = place(memory, *operand)?;
-                    let value = self.cell(memory, at, *ty).ok_or(FaultKind::BadReference)?;
-                    *cells.get_mut(cell_count).ok_or(FaultKind::Internal)? = value;
+                    let value = self.cell(memory, at, *ty).ok_or(ProgramFaultKind::BadReference)?;
+                    *cells.get_mut(cell_count).ok_or(ProgramFaultKind::Internal)? = value;
                     cell_count += 1;
                 }
                 LibraryArgument::Text(text) => {
                     let at = place(memory, text.at)?;
-                    let entry = texts.get_mut(text_count).ok_or(FaultKind::Internal)?;
+                    let entry = texts.get_mut(text_count).ok_or(ProgramFaultKind::Internal)?;
                     *entry = self.text(memory, &mut rest, at, text)?;
                     text_count += 1;
                 }
@@ -80,7 +80,7 @@ impl ProgramMemory<'_> {
                 Body::Scalar(run) => of.result = run(call.generic, cells),
                 Body::Text(run) => run(&mut of),
                 Body::Clock(run) => of.result = run(now),
-                Body::Service(service) => return Ok(Called::Asks(service, first)),
+                Body::Service(service) => return Ok(CallResult::Asks(service, first)),
             },
             LibraryCode::ToText(ty) => to_text(ty, first, &mut of.out),
             LibraryCode::FromText(ty) => {
@@ -91,13 +91,13 @@ impl ProgramMemory<'_> {
         match &call.result {
             LibraryArgument::Cell(operand, ty) => {
                 let at = place(memory, *operand)?;
-                Ok(Called::Done(self.store(memory, at, ty.bytes() as u32, result as u64, by)))
+                Ok(CallResult::Done(self.store(memory, at, ty.bytes() as u32, result as u64, by)))
             }
             LibraryArgument::Text(text) => {
                 let at = TextSpan::new(place(memory, text.at)?, text);
                 let length = length.saturating_mul(at.unit() as usize).min(text.bytes as usize);
                 let units = bytes.get(..length).unwrap_or_default();
-                Ok(Called::Done(self.store_text(memory, at, units, by)))
+                Ok(CallResult::Done(self.store_text(memory, at, units, by)))
             }
         }
     }
@@ -109,16 +109,16 @@ impl ProgramMemory<'_> {
         room: &mut &'m mut [u8],
         at: u32,
         text: &TextAt,
-    ) -> Result<Text<'m>, FaultKind> {
+    ) -> Result<Text<'m>, ProgramFaultKind> {
         let length = text.bytes as usize;
         let own = memory.get(at as usize..).and_then(|rest| rest.get(..length));
         let bytes = match own {
             Some(bytes) => bytes,
             None => {
                 let all = std::mem::take(room);
-                let (copy, rest) = all.split_at_mut_checked(length).ok_or(FaultKind::Internal)?;
+                let (copy, rest) = all.split_at_mut_checked(length).ok_or(ProgramFaultKind::Internal)?;
                 *room = rest;
-                self.read(memory, at, copy).ok_or(FaultKind::BadReference)?;
+                self.read(memory, at, copy).ok_or(ProgramFaultKind::BadReference)?;
                 copy
             }
         };

@@ -9,16 +9,16 @@ mod service;
 mod text;
 mod world;
 
-pub(crate) use fast::Prepared;
+pub(crate) use fast::PreparedCode;
 pub(crate) use service::finish_service;
 
 use crate::code::{AddressBase, Op, Operand, map};
-use crate::host::{Fault, FaultKind, Host, Slice, Stop};
+use crate::host::{Host, MachineSlice, ProgramFault, ProgramFaultKind, StopReason};
 use crate::library::{Service, convert};
 use crate::program::Program;
-use crate::state::{Debug, PinOffsets, Registers, Scratch, ServiceCall, Task};
+use crate::state::{Debug, PinOffsets, Scratch, ServiceCall, TaskRegisters, TaskState};
 use crate::types::Elementary;
-use library::Called;
+use library::CallResult;
 use number::{Canonical, RawNumber, max_f32, max_f64, min_f32, min_f64, shift, spread, turn};
 use operations::operations;
 use quick::{QuickContext, QuickPlace};
@@ -33,13 +33,13 @@ enum Exit {
     Touched,
     Break,
     Service(Service, i64),
-    Fault(FaultKind),
+    Fault(ProgramFaultKind),
 }
 
 /// What a slice works on, besides the task.
 pub(crate) struct MachineParts<'a> {
     pub program: &'a Program,
-    pub prepared: &'a Prepared,
+    pub prepared: &'a PreparedCode,
     /// Beside the program's native blocks.
     pub natives: &'a [PinOffsets],
     pub memory: &'a mut [u8],
@@ -56,26 +56,26 @@ pub(crate) struct MachineParts<'a> {
 /// kept out of line. Operands are read and written with one check of bounds each, whose failure is the slow path.
 pub(crate) fn run<const DEBUG: bool>(
     parts: MachineParts<'_>,
-    task: &mut Task,
+    task: &mut TaskState,
     now: Time,
     budget: Span,
     host: &mut dyn Host,
-) -> Slice {
+) -> MachineSlice {
     let MachineParts { program, prepared, natives, memory, flags, scratch, debug, changed } = parts;
     let budget = budget.as_nanos().max(0);
     let mut left = budget;
     if task.position >= task.programs.len() {
-        return Slice { used: Span::ZERO, stop: Stop::Done };
+        return MachineSlice { used: Span::ZERO, stop: StopReason::Done };
     }
     let mut world = ProgramMemory { program, flags, host, changed: 0 };
-    let Prepared { code, indexes, quick } = prepared;
+    let PreparedCode { code, indexes, quick } = prepared;
     let (code, indexes) = (code.as_slice(), indexes.as_slice());
     // As long as the memory: one check of bounds does for both.
     let Some(flags) = flags.get(..memory.len()) else {
-        return Slice { used: Span::ZERO, stop: Stop::Done };
+        return MachineSlice { used: Span::ZERO, stop: StopReason::Done };
     };
     let units = program.units.as_slice();
-    let Registers { pc, this, base, mut unit } = task.registers;
+    let TaskRegisters { pc, this, base, mut unit } = task.registers;
     let mut pc = pc as usize;
     let mut here = pc;
     // By `From`.
@@ -88,7 +88,7 @@ pub(crate) fn run<const DEBUG: bool>(
             QuickPlace { pc, left, bases, unit } =
                 quick.go(around, entry, QuickPlace { pc, left, bases, unit });
         }
-        let Some(step) = code.get(pc) else { break Exit::Fault(FaultKind::Internal) };
+        let Some(step) = code.get(pc) else { break Exit::Fault(ProgramFaultKind::Internal) };
         if DEBUG && debug.stops(pc, task) {
             break Exit::Break;
         }
@@ -111,7 +111,7 @@ pub(crate) fn run<const DEBUG: bool>(
 
         macro_rules! fault {
             ($kind:ident) => {
-                break 'slice Exit::Fault(FaultKind::$kind)
+                break 'slice Exit::Fault(ProgramFaultKind::$kind)
             };
         }
         // Where an operand that stands in a table leads.
@@ -290,7 +290,7 @@ pub(crate) fn run<const DEBUG: bool>(
         macro_rules! call {
             ($callee:expr, $this:expr) => {{
                 let (callee, next) = room!($callee);
-                task.callers.push(Registers { pc: pc as u32, this: bases[1], base: bases[2], unit });
+                task.callers.push(TaskRegisters { pc: pc as u32, this: bases[1], base: bases[2], unit });
                 bases = [0, $this, next];
                 unit = $callee as u16;
                 pc = callee.entry as usize;
@@ -403,8 +403,8 @@ pub(crate) fn run<const DEBUG: bool>(
                 let place = |memory: &[u8], operand| place(memory, bases, operand);
                 let now = now.saturating_add(Span::from_nanos(budget - left));
                 match world.call_library(memory, scratch, call, place, now, By { pc: here, unit }) {
-                    Ok(Called::Done(stored)) => settle!(stored),
-                    Ok(Called::Asks(service, argument)) => {
+                    Ok(CallResult::Done(stored)) => settle!(stored),
+                    Ok(CallResult::Asks(service, argument)) => {
                         task.asks = Some(ServiceCall { call: b, service, argument, answer: None });
                         break 'slice Exit::Service(service, argument);
                     }
@@ -448,7 +448,7 @@ pub(crate) fn run<const DEBUG: bool>(
                     if !task.enter(program, memory) {
                         break Exit::Done;
                     }
-                    let Registers { pc: entry, this, base, unit: next } = task.registers;
+                    let TaskRegisters { pc: entry, this, base, unit: next } = task.registers;
                     (pc, unit, bases) = (entry as usize, next, [0, this, base]);
                 }
             },
@@ -460,21 +460,21 @@ pub(crate) fn run<const DEBUG: bool>(
         debug.passed(Some(here), pc, program);
     }
     *changed |= world.changed;
-    task.registers = Registers { pc: pc as u32, this: bases[1], base: bases[2], unit };
+    task.registers = TaskRegisters { pc: pc as u32, this: bases[1], base: bases[2], unit };
     let stop = match exit {
-        Exit::Budget(next) => Stop::Budget { next: Span::from_nanos(i64::from(next)) },
-        Exit::Done => Stop::Done,
-        Exit::Touched => Stop::Touched,
-        Exit::Break => Stop::Break,
-        Exit::Service(service, argument) => Stop::Service { service, argument },
+        Exit::Budget(next) => StopReason::Budget { next: Span::from_nanos(i64::from(next)) },
+        Exit::Done => StopReason::Done,
+        Exit::Touched => StopReason::Touched,
+        Exit::Break => StopReason::Break,
+        Exit::Service(service, argument) => StopReason::Service { service, argument },
         Exit::Fault(kind) => {
             task.position = task.programs.len();
             let file = units.get(usize::from(unit)).map_or(0, |unit| unit.file);
             let line = program.lines.get(here).copied().unwrap_or(0);
-            Stop::Fault(Fault { kind, file, line })
+            StopReason::Fault(ProgramFault { kind, file, line })
         }
     };
-    Slice { used: Span::from_nanos(budget - left), stop }
+    MachineSlice { used: Span::from_nanos(budget - left), stop }
 }
 
 /// The address of an operand, for what resolves a list of them; `None` for a bad reference.

@@ -3,9 +3,9 @@
 use super::place;
 use super::world::{By, ProgramMemory, Stored};
 use crate::code::LibraryArgument;
-use crate::host::{Fault, FaultKind, Host, Stop};
+use crate::host::{Host, ProgramFault, ProgramFaultKind, StopReason};
 use crate::program::Program;
-use crate::state::Task;
+use crate::state::TaskState;
 
 /// Stores the answer to the service that a task waits for; the operation was complete when it was asked. Gives why
 /// the task does not go on at once, and the flags of the bytes that changed.
@@ -13,10 +13,10 @@ pub(crate) fn finish_service(
     program: &Program,
     memory: &mut [u8],
     flags: &[u8],
-    task: &mut Task,
+    task: &mut TaskState,
     host: &mut dyn Host,
     (call, answer): (u32, i64),
-) -> (Option<Stop>, u8) {
+) -> (Option<StopReason>, u8) {
     let registers = task.registers;
     let by = By { pc: (registers.pc as usize).saturating_sub(1), unit: registers.unit };
     let mut world = ProgramMemory { program, flags, host, changed: 0 };
@@ -30,12 +30,12 @@ pub(crate) fn finish_service(
     };
     let stop = match stored {
         Stored::Fine => None,
-        Stored::Touched => Some(Stop::Touched),
+        Stored::Touched => Some(StopReason::Touched),
         Stored::Bad => {
             task.position = task.programs.len();
             let file = program.units.get(usize::from(by.unit)).map_or(0, |unit| unit.file);
             let line = program.lines.get(by.pc).copied().unwrap_or(0);
-            Some(Stop::Fault(Fault { kind: FaultKind::BadReference, file, line }))
+            Some(StopReason::Fault(ProgramFault { kind: ProgramFaultKind::BadReference, file, line }))
         }
     };
     (stop, world.changed)

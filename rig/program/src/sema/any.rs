@@ -3,12 +3,12 @@
 
 use super::Sema;
 use super::argument::CallParameter;
-use super::place::Meaning;
+use super::place::PathMeaning;
 use super::types::{Type, TypeId};
 use crate::codes::Code;
 use crate::findings::SourcePlace;
 use crate::parse::ast;
-use crate::tree::{Expr, ExprKind, Input, Slot, TreePlace, Ty};
+use crate::tree::{CallInput, Expr, ExprKind, Slot, TreePlace, Ty};
 use crate::types::Elementary;
 
 /// Which types an input takes.
@@ -44,12 +44,12 @@ impl<'a> Sema<'a> {
         written: &ast::Expr,
         parameter: &CallParameter,
         kind: Any,
-    ) -> Option<Vec<Input>> {
+    ) -> Option<Vec<CallInput>> {
         let at = written.at;
         let (place, ty) = match self.meaning(written) {
-            Meaning::Place(place, ty, _) => (place, ty),
-            Meaning::Wrong => return None,
-            Meaning::Bit(..) => {
+            PathMeaning::Place(place, ty, _) => (place, ty),
+            PathMeaning::Wrong => return None,
+            PathMeaning::Bit(..) => {
                 let message = "a single bit has no address";
                 self.findings.error(Code::Output, at, message, "pass a BOOL variable and copy it");
                 return None;
@@ -63,7 +63,7 @@ impl<'a> Sema<'a> {
         if ty == parameter.ty {
             // Handed on as it came.
             let value = self.value(written, ty)?;
-            return Some(vec![Input { to: parameter.slot.clone(), value }]);
+            return Some(vec![CallInput { to: parameter.slot.clone(), value }]);
         }
         if !self.is_any(kind, ty) {
             let message = format!("{} is no {}", self.type_name(ty), kind.0);
@@ -89,13 +89,13 @@ impl<'a> Sema<'a> {
         field: (TypeId, u32),
         value: Expr,
         at: SourcePlace,
-    ) -> Input {
+    ) -> CallInput {
         let (ty, offset) = field;
         let to = match &parameter.slot {
             Slot::Frame(first, _) => Slot::Frame(first + offset, self.tree_type(ty)),
             Slot::Place(place) => Slot::Place(TreePlace { at, ..self.inside(place.clone(), offset, ty, at) }),
         };
-        Input { to, value }
+        CallInput { to, value }
     }
 
     fn is_any(&self, kind: Any, ty: TypeId) -> bool {

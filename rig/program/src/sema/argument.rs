@@ -1,14 +1,14 @@
 //! Arguments of calls: which parameter each one is for, and what goes there.
 
 use super::Sema;
-use super::place::Meaning;
-use super::scope::{Callable, Home, Symbol};
+use super::place::PathMeaning;
+use super::scope::{Callable, Home, ScopeSymbol};
 use super::types::{Type, TypeId};
 use crate::codes::Code;
 use crate::findings::{SourcePlace, count};
 use crate::native::PinKind;
 use crate::parse::ast::{self, Argument, Key, SectionKind};
-use crate::tree::{Expr, ExprKind, Input, Output, Slot, Target, TreePlace, Ty};
+use crate::tree::{CallInput, CallOutput, Expr, ExprKind, Slot, Target, TreePlace, Ty};
 use crate::types::Elementary;
 
 /// A parameter of whatever is called.
@@ -42,7 +42,7 @@ impl<'a> Sema<'a> {
         .collect()
     }
 
-    fn parameter(&self, symbol: &Symbol<'a>, slot: Slot, optional: bool) -> CallParameter {
+    fn parameter(&self, symbol: &ScopeSymbol<'a>, slot: Slot, optional: bool) -> CallParameter {
         CallParameter {
             key: symbol.name.key,
             shown: symbol.shown.to_string(),
@@ -149,7 +149,7 @@ impl<'a> Sema<'a> {
         arguments: &[Argument],
         native: Option<u16>,
         at: SourcePlace,
-    ) -> Option<(Vec<Input>, Vec<Output>)> {
+    ) -> Option<(Vec<CallInput>, Vec<CallOutput>)> {
         let mut given = vec![false; parameters.len()];
         let mut inputs = Vec::new();
         let mut outputs = Vec::new();
@@ -233,7 +233,7 @@ impl<'a> Sema<'a> {
             };
             match value {
                 Some(value) => {
-                    inputs.push(Input { to: parameter.slot.clone(), value });
+                    inputs.push(CallInput { to: parameter.slot.clone(), value });
                     inputs.extend(self.open_inputs(written, parameter));
                 }
                 None => whole = false,
@@ -274,9 +274,9 @@ impl<'a> Sema<'a> {
     pub(super) fn by_reference(&mut self, written: &ast::Expr, parameter: &CallParameter) -> Option<Expr> {
         let at = written.at;
         let (place, ty, fixed) = match self.meaning(written) {
-            Meaning::Place(place, ty, fixed) => (place, ty, fixed),
-            Meaning::Wrong => return None,
-            Meaning::Bit(..) => {
+            PathMeaning::Place(place, ty, fixed) => (place, ty, fixed),
+            PathMeaning::Wrong => return None,
+            PathMeaning::Bit(..) => {
                 let message = "a single bit cannot be passed by reference";
                 self.findings.error(Code::Output, at, message, "pass a BOOL variable and copy it");
                 return None;
@@ -333,7 +333,7 @@ impl<'a> Sema<'a> {
     }
 
     /// What an output is assigned to.
-    fn output(&mut self, parameter: &CallParameter, negated: bool, target: &ast::Expr) -> Option<Output> {
+    fn output(&mut self, parameter: &CallParameter, negated: bool, target: &ast::Expr) -> Option<CallOutput> {
         let (target_place, ty) = self.target(target)?;
         let bool_type = self.elementary(Elementary::Bool);
         if negated && parameter.ty != bool_type {
@@ -354,6 +354,6 @@ impl<'a> Sema<'a> {
         let probe = Expr { kind: ExprKind::Load(probe), ty: self.tree_type(parameter.ty), at: target.at };
         self.assigned(probe, parameter.ty, ty, target.at)?;
         let _: &Target = &target_place;
-        Some(Output { from: parameter.slot.clone(), negated, target: target_place })
+        Some(CallOutput { from: parameter.slot.clone(), negated, target: target_place })
     }
 }

@@ -2,7 +2,7 @@
 
 use super::declare::initial_at;
 use super::late::LateBase;
-use super::scope::{Home, Symbol};
+use super::scope::{Home, ScopeSymbol};
 use super::types::{Type, TypeId, WRONG, elements, stride};
 use super::{Sema, State};
 use crate::code::map;
@@ -89,7 +89,7 @@ impl<'a> Sema<'a> {
                 members.into_iter().map(|m| Member { offset: m.offset - base, ..m }).collect::<Vec<_>>();
             let path = self.pous[place as usize].shown.clone();
             let shape = crate::shape::ShapeId(self.shapes.len() as u32);
-            self.shapes.push(crate::shape::Shape::Members {
+            self.shapes.push(crate::shape::MemoryLayout::Members {
                 name: path.clone(),
                 members,
                 size: size.max(1),
@@ -239,7 +239,7 @@ impl<'a> Sema<'a> {
     }
 
     /// Default and given initial value of one variable.
-    fn variable_initial(&mut self, symbol: &Symbol<'a>, image: &mut [u8], offset: u32, base: LateBase) {
+    fn variable_initial(&mut self, symbol: &ScopeSymbol<'a>, image: &mut [u8], offset: u32, base: LateBase) {
         let ty = symbol.type_id();
         let mut bytes = Vec::new();
         self.default_bytes(ty, &mut bytes);
@@ -259,7 +259,7 @@ impl<'a> Sema<'a> {
     }
 
     /// The same for a variable in the data.
-    pub(super) fn data_initial(&mut self, symbol: &Symbol<'a>, address: u32) {
+    pub(super) fn data_initial(&mut self, symbol: &ScopeSymbol<'a>, address: u32) {
         let mut data = std::mem::take(&mut self.data);
         self.variable_initial(symbol, &mut data, address - map::FIRST, LateBase::At(map::FIRST));
         self.data = data;

@@ -3,13 +3,13 @@
 use super::Sema;
 use super::argument::CallParameter;
 use super::literal::LiteralOperand;
-use super::place::{Instance, Meaning};
-use super::scope::{Callable, CallableKind, FoundName, Selector, SelectorKind};
+use super::place::{ObjectAccess, PathMeaning};
+use super::scope::{Callable, CallableKind, FoundName, MethodSelector, SelectorKind};
 use super::types::{Type, TypeId, WRONG};
 use crate::codes::Code;
 use crate::findings::{SourcePlace, similar};
 use crate::parse::ast::{self, Argument, Name, PouKind};
-use crate::tree::{Callee, Expr, ExprKind, Input, TreeCall, TreePlace, TreeRoot, Ty};
+use crate::tree::{CallInput, Callee, Expr, ExprKind, TreeCall, TreePlace, TreeRoot, Ty};
 
 impl<'a> Sema<'a> {
     /// A call inside an expression.
@@ -34,21 +34,21 @@ impl<'a> Sema<'a> {
             return result;
         }
         let meaning = self.meaning(callee);
-        if self.context.constant && !matches!(meaning, Meaning::Wrong) {
+        if self.context.constant && !matches!(meaning, PathMeaning::Wrong) {
             self.not_constant(at, "a constant is needed here");
             return LiteralOperand::Wrong;
         }
         match meaning {
-            Meaning::Wrong => {
+            PathMeaning::Wrong => {
                 // Faults of the arguments are found in the same run.
                 LiteralOperand::Wrong
             }
-            Meaning::Function(pou) => self.function_call(pou, arguments, at),
-            Meaning::Method(instance, name) => self.method_call(instance, name, arguments, at),
-            Meaning::Program(pou) => self.program_call(pou, arguments, at),
-            Meaning::Action(callable, place) => self.action_call(callable, place, arguments, at),
-            Meaning::Super(base) => self.super_call(base, arguments, at),
-            Meaning::Place(place, ty, fixed) => self.place_call(place, ty, fixed, callee, arguments, at),
+            PathMeaning::Function(pou) => self.function_call(pou, arguments, at),
+            PathMeaning::Method(instance, name) => self.method_call(instance, name, arguments, at),
+            PathMeaning::Program(pou) => self.program_call(pou, arguments, at),
+            PathMeaning::Action(callable, place) => self.action_call(callable, place, arguments, at),
+            PathMeaning::Super(base) => self.super_call(base, arguments, at),
+            PathMeaning::Place(place, ty, fixed) => self.place_call(place, ty, fixed, callee, arguments, at),
             _ => {
                 self.not_callable(callee.at);
                 LiteralOperand::Wrong
@@ -78,7 +78,7 @@ impl<'a> Sema<'a> {
                         };
                         Some(self.function_call(pou, arguments, at))
                     }
-                    CallableKind::Method => Some(self.method_call(Instance::Same, name, arguments, at)),
+                    CallableKind::Method => Some(self.method_call(ObjectAccess::Same, name, arguments, at)),
                     _ => None,
                 }
             }
@@ -219,17 +219,17 @@ impl<'a> Sema<'a> {
     /// The code that a method or accessor of an instance runs, and its head.
     fn bound(
         &mut self,
-        instance: &Instance,
+        instance: &ObjectAccess,
         name: Name,
         kind: SelectorKind,
     ) -> Option<(Callee, Callable<'a>)> {
-        let selector = Selector { key: name.key, kind };
+        let selector = MethodSelector { key: name.key, kind };
         let find = |sema: &Self, block: u32| match kind {
             SelectorKind::Method => sema.method(block, name.key),
             kind => sema.accessor(block, name.key, kind),
         };
         let (callee, head) = match instance {
-            Instance::Same => {
+            ObjectAccess::Same => {
                 let block = self.context.pou?;
                 let method = find(self, block)?;
                 let head = self.callables.get(method as usize)?.clone();
@@ -251,15 +251,15 @@ impl<'a> Sema<'a> {
                     (Callee::Same(method as u16), head)
                 }
             }
-            Instance::Super(base) => {
+            ObjectAccess::Super(base) => {
                 let method = find(self, *base)?;
                 (Callee::Same(method as u16), self.callables.get(method as usize)?.clone())
             }
-            Instance::Exact(place, block) => {
+            ObjectAccess::Exact(place, block) => {
                 let method = find(self, *block)?;
                 (Callee::Of(method as u16, place.clone()), self.callables.get(method as usize)?.clone())
             }
-            Instance::Block(address, block) => {
+            ObjectAccess::Block(address, block) => {
                 let method = find(self, *block)?;
                 let head = self.callables.get(method as usize)?.clone();
                 let number = head.selector.unwrap_or(0);
@@ -277,7 +277,7 @@ impl<'a> Sema<'a> {
                     (Callee::Of(method as u16, place), head)
                 }
             }
-            Instance::Interface(address, interface) => {
+            ObjectAccess::Interface(address, interface) => {
                 let heads = &self.interfaces.get(*interface as usize)?.heads;
                 let head = heads.iter().find(|(known, _)| *known == selector)?.1.clone();
                 let number = self.selector(selector);
@@ -289,7 +289,7 @@ impl<'a> Sema<'a> {
 
     fn method_call(
         &mut self,
-        instance: Instance,
+        instance: ObjectAccess,
         name: Name,
         arguments: &[Argument],
         at: SourcePlace,
@@ -304,7 +304,7 @@ impl<'a> Sema<'a> {
     }
 
     /// The value of a property.
-    pub(super) fn get_property(&mut self, instance: &Instance, name: Name) -> LiteralOperand {
+    pub(super) fn get_property(&mut self, instance: &ObjectAccess, name: Name) -> LiteralOperand {
         if self.context.constant {
             self.not_constant(name.at, "a constant is needed here");
             return LiteralOperand::Wrong;
@@ -331,7 +331,7 @@ impl<'a> Sema<'a> {
     /// Setting a property: the type of its value, then the call with it.
     pub(super) fn set_property(
         &mut self,
-        instance: &Instance,
+        instance: &ObjectAccess,
         name: Name,
         value: &ast::Expr,
         at: SourcePlace,
@@ -343,7 +343,7 @@ impl<'a> Sema<'a> {
         };
         let (ty, to) = self.setter_parameter(&head)?;
         let value = self.value(value, ty)?;
-        let inputs = vec![Input { to, value }];
+        let inputs = vec![CallInput { to, value }];
         let call = TreeCall { callee, inputs, outputs: Vec::new(), result: None, at };
         Some(Expr { kind: ExprKind::Call(Box::new(call)), ty: Ty::Block { bytes: 0 }, at })
     }

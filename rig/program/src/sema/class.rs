@@ -1,6 +1,6 @@
 //! What blocks extend and implement.
 
-use super::scope::{Callable, CallableKind, Selector, SelectorKind, SymbolKind};
+use super::scope::{Callable, CallableKind, MethodSelector, SelectorKind, SymbolKind};
 use super::types::TypeId;
 use super::{Global, Sema, State};
 use crate::code::ObjectClass;
@@ -117,7 +117,7 @@ impl<'a> Sema<'a> {
         }
         self.depth += 1;
         self.interfaces[place as usize].state = State::Busy;
-        let mut heads: Vec<(Selector, Callable<'a>)> = Vec::new();
+        let mut heads: Vec<(MethodSelector, Callable<'a>)> = Vec::new();
         for base in self.interfaces[place as usize].extends.clone() {
             self.resolve_interface(base);
             for (selector, head) in self.interfaces[base as usize].heads.clone() {
@@ -152,12 +152,12 @@ impl<'a> Sema<'a> {
 
     fn head(
         &mut self,
-        heads: &mut Vec<(Selector, Callable<'a>)>,
+        heads: &mut Vec<(MethodSelector, Callable<'a>)>,
         kind: SelectorKind,
         name: Name,
         callable: Callable<'a>,
     ) {
-        let selector = Selector { key: name.key, kind };
+        let selector = MethodSelector { key: name.key, kind };
         if heads.iter().any(|(known, head)| *known == selector && head.name.at != name.at) {
             let message = format!("`{}` is there already", self.shown(name));
             self.findings.error(Code::Duplicate, name.at, message, "an interface does not override");
@@ -325,7 +325,7 @@ impl<'a> Sema<'a> {
         let blocks = (0..self.pous.len() as u32)
             .filter(|place| self.pous[*place as usize].ast.kind == PouKind::FunctionBlock);
         let class = |place: u32| {
-            let method = |selector: &Selector| {
+            let method = |selector: &MethodSelector| {
                 let found = match selector.kind {
                     SelectorKind::Method => self.method(place, selector.key),
                     kind => self.accessor(place, selector.key, kind),

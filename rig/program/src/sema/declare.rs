@@ -1,6 +1,6 @@
 //! Names of everything at the outside, and the units that the sources declare.
 
-use super::scope::{Callable, CallableKind, Home, Pou, Selector, SelectorKind, Symbol};
+use super::scope::{Callable, CallableKind, Home, MethodSelector, Pou, ScopeSymbol, SelectorKind};
 use super::{Global, Interface, KeyMap, Sema, State, TypeEntry, TypeId};
 use crate::codes::Code;
 use crate::findings::SourcePlace;
@@ -109,8 +109,8 @@ impl<'a> Sema<'a> {
         );
     }
 
-    pub(super) fn symbol(&self, section: &Section, decl: &'a ast::VarDecl) -> Symbol<'a> {
-        Symbol {
+    pub(super) fn symbol(&self, section: &Section, decl: &'a ast::VarDecl) -> ScopeSymbol<'a> {
+        ScopeSymbol {
             name: decl.name,
             shown: self.shown(decl.name),
             kind: section.kind,
@@ -218,7 +218,7 @@ impl<'a> Sema<'a> {
         callable.result_ref = method.result.as_ref();
         callable.modifiers = method.modifiers;
         callable.selector =
-            Some(self.selector(Selector { key: method.name.key, kind: SelectorKind::Method }));
+            Some(self.selector(MethodSelector { key: method.name.key, kind: SelectorKind::Method }));
         callable
     }
 
@@ -237,11 +237,11 @@ impl<'a> Sema<'a> {
         callable.result_ref = Some(&property.ty);
         callable.modifiers = property.modifiers;
         let kind = if kind == CallableKind::Getter { SelectorKind::Get } else { SelectorKind::Set };
-        callable.selector = Some(self.selector(Selector { key: property.name.key, kind }));
+        callable.selector = Some(self.selector(MethodSelector { key: property.name.key, kind }));
         callable
     }
 
-    pub(super) fn selector(&mut self, selector: Selector) -> u32 {
+    pub(super) fn selector(&mut self, selector: MethodSelector) -> u32 {
         let next = self.selectors.len() as u32;
         let place = *self.selector_index.entry(selector).or_insert(next);
         if place == next {
@@ -498,9 +498,9 @@ impl<'a> Sema<'a> {
 /// Bytes that a frame may have.
 const FRAME_LIMIT: u32 = 1 << 20;
 
-pub(super) fn initial_at(initial: &ast::Initial) -> SourcePlace {
+pub(super) fn initial_at(initial: &ast::Initializer) -> SourcePlace {
     match initial {
-        ast::Initial::One(expr) => expr.at,
-        ast::Initial::List(_, at) | ast::Initial::Members(_, at) => *at,
+        ast::Initializer::One(expr) => expr.at,
+        ast::Initializer::List(_, at) | ast::Initializer::Members(_, at) => *at,
     }
 }

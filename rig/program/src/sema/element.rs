@@ -2,7 +2,7 @@
 
 use super::Sema;
 use super::literal::LiteralOperand;
-use super::place::Meaning;
+use super::place::PathMeaning;
 use super::scope::FoundName;
 use super::types::{Type, TypeId, WRONG, stride};
 use crate::codes::Code;
@@ -17,51 +17,51 @@ impl Sema<'_> {
         of: &ast::Expr,
         indices: &[ast::Expr],
         at: SourcePlace,
-    ) -> Meaning {
+    ) -> PathMeaning {
         let (place, ty, fixed) = match self.meaning(of) {
-            Meaning::Place(place, ty, fixed) => (place, ty, fixed),
-            Meaning::Wrong => return Meaning::Wrong,
-            Meaning::Property(instance, property) => {
+            PathMeaning::Place(place, ty, fixed) => (place, ty, fixed),
+            PathMeaning::Wrong => return PathMeaning::Wrong,
+            PathMeaning::Property(instance, property) => {
                 let value = self.get_property(&instance, property);
-                let Some((value, ty)) = self.own_value(value, of.at) else { return Meaning::Wrong };
+                let Some((value, ty)) = self.own_value(value, of.at) else { return PathMeaning::Wrong };
                 (self.held_value(value, of.at), ty, Some("it is a value"))
             }
-            Meaning::Operand(operand) => {
-                let Some((value, ty)) = self.own_value(operand, of.at) else { return Meaning::Wrong };
+            PathMeaning::Operand(operand) => {
+                let Some((value, ty)) = self.own_value(operand, of.at) else { return PathMeaning::Wrong };
                 (self.held_value(value, of.at), ty, Some("it is a value"))
             }
             _ => {
                 self.findings.error(Code::NotAValue, at, "this has no elements", "arrays and texts have");
-                return Meaning::Wrong;
+                return PathMeaning::Wrong;
             }
         };
         match self.ty(ty).clone() {
             Type::Array { dimensions, of } => {
                 let (place, ty) = match self.indexed(place, &dimensions, of, indices, at) {
                     Some(found) => found,
-                    None => return Meaning::Wrong,
+                    None => return PathMeaning::Wrong,
                 };
                 self.followed(place, ty, fixed)
             }
             Type::Open { .. } => match self.open_element(place, ty, indices, at) {
                 Some((place, ty)) => self.followed(place, ty, fixed),
-                None => Meaning::Wrong,
+                None => PathMeaning::Wrong,
             },
             Type::Text { wide, length } => {
                 let unit = if wide { Elementary::Word } else { Elementary::Byte };
                 let of = self.elementary(unit);
                 match self.indexed(place, &[(0, i64::from(length))], of, indices, at) {
-                    Some((place, ty)) => Meaning::Place(place, ty, fixed),
-                    None => Meaning::Wrong,
+                    Some((place, ty)) => PathMeaning::Place(place, ty, fixed),
+                    None => PathMeaning::Wrong,
                 }
             }
             Type::Pointer(to) => {
                 let [index] = indices else {
                     self.findings.error(Code::Index, at, "a pointer takes one index", "");
-                    return Meaning::Wrong;
+                    return PathMeaning::Wrong;
                 };
                 let lint = self.elementary(Elementary::Lint);
-                let Some(index) = self.value(index, lint) else { return Meaning::Wrong };
+                let Some(index) = self.value(index, lint) else { return PathMeaning::Wrong };
                 let step = i64::from(stride(self.layout(to)));
                 let step = self.constant(step, Elementary::Lint, at);
                 let bytes = self.binary(tree::BinaryOp::Multiply, index, step, at);
@@ -71,11 +71,11 @@ impl Sema<'_> {
                 let place = self.place(tree::TreeRoot::Address(Box::new(address)), 0, to, false, at);
                 self.followed(place, to, None)
             }
-            Type::Wrong => Meaning::Wrong,
+            Type::Wrong => PathMeaning::Wrong,
             _ => {
                 let message = format!("{} has no elements", self.type_name(ty));
                 self.findings.error(Code::NotAValue, at, message, "arrays and texts have");
-                Meaning::Wrong
+                PathMeaning::Wrong
             }
         }
     }
@@ -149,13 +149,19 @@ impl Sema<'_> {
         Some((place, of))
     }
 
-    pub(super) fn part_meaning(&mut self, of: &ast::Expr, bits: u8, number: u32, at: SourcePlace) -> Meaning {
+    pub(super) fn part_meaning(
+        &mut self,
+        of: &ast::Expr,
+        bits: u8,
+        number: u32,
+        at: SourcePlace,
+    ) -> PathMeaning {
         let (place, ty, fixed) = match self.meaning(of) {
-            Meaning::Place(place, ty, fixed) => (place, ty, fixed),
-            Meaning::Wrong => return Meaning::Wrong,
+            PathMeaning::Place(place, ty, fixed) => (place, ty, fixed),
+            PathMeaning::Wrong => return PathMeaning::Wrong,
             meaning => {
                 let operand = self.operand_of(meaning, of.at);
-                let Some((value, ty)) = self.own_value(operand, of.at) else { return Meaning::Wrong };
+                let Some((value, ty)) = self.own_value(operand, of.at) else { return PathMeaning::Wrong };
                 (self.held_value(value, of.at), ty, Some("it is a value"))
             }
         };
@@ -169,7 +175,7 @@ impl Sema<'_> {
             return None;
         }
         match self.symbol_meaning(found, name) {
-            Meaning::Operand(LiteralOperand::Value(Expr { kind: ExprKind::Constant(cell), .. }, ty)) => {
+            PathMeaning::Operand(LiteralOperand::Value(Expr { kind: ExprKind::Constant(cell), .. }, ty)) => {
                 let scalar = self.scalar(ty).filter(|ty| ty.is_integer())?;
                 u32::try_from(scalar.number(cell)).ok()
             }
@@ -185,13 +191,13 @@ impl Sema<'_> {
         fixed: Option<&'static str>,
         (bits, number): (u8, u32),
         at: SourcePlace,
-    ) -> Meaning {
+    ) -> PathMeaning {
         let Some(scalar) = self.scalar(ty).filter(|ty| ty.is_integer()) else {
             if ty != WRONG {
                 let message = format!("{} has no bits", self.type_name(ty));
                 self.findings.error(Code::NotAValue, at, message, "whole numbers and bit strings have");
             }
-            return Meaning::Wrong;
+            return PathMeaning::Wrong;
         };
         let parts = scalar.bits() / u32::from(bits.max(1));
         if number >= parts || (bits > 1 && u32::from(bits) >= scalar.bits()) {
@@ -199,10 +205,10 @@ impl Sema<'_> {
                 format!("{} has no part {number} of {}", scalar.name(), count(u32::from(bits), "bit"));
             let help = if parts > 0 { format!("0 to {}", parts - 1) } else { String::new() };
             self.findings.error(Code::Index, at, message, help);
-            return Meaning::Wrong;
+            return PathMeaning::Wrong;
         }
         if bits == 1 {
-            return Meaning::Bit(place, number, fixed);
+            return PathMeaning::Bit(place, number, fixed);
         }
         let part = match bits {
             8 => Elementary::Byte,
@@ -211,6 +217,6 @@ impl Sema<'_> {
         };
         let ty = self.elementary(part);
         let place = self.inside(place, number * u32::from(bits) / 8, ty, at);
-        Meaning::Place(place, ty, fixed)
+        PathMeaning::Place(place, ty, fixed)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Sema;
 use super::literal::{LiteralOperand, in_range};
-use super::place::Meaning;
+use super::place::PathMeaning;
 use super::scope::FoundName;
 use super::types::{Type, TypeId, WRONG};
 use crate::codes::Code;
@@ -138,11 +138,11 @@ impl<'a> Sema<'a> {
     }
 
     /// The value of what a path means.
-    pub(super) fn operand_of(&mut self, meaning: Meaning, at: SourcePlace) -> LiteralOperand {
+    pub(super) fn operand_of(&mut self, meaning: PathMeaning, at: SourcePlace) -> LiteralOperand {
         let message = match meaning {
-            Meaning::Operand(operand) => return operand,
-            Meaning::Wrong => return LiteralOperand::Wrong,
-            Meaning::Place(place, ty, _) => {
+            PathMeaning::Operand(operand) => return operand,
+            PathMeaning::Wrong => return LiteralOperand::Wrong,
+            PathMeaning::Place(place, ty, _) => {
                 if ty == WRONG {
                     return LiteralOperand::Wrong;
                 }
@@ -161,7 +161,7 @@ impl<'a> Sema<'a> {
                 let kind = ExprKind::Load(place);
                 return LiteralOperand::Value(Expr { kind, ty: self.tree_type(ty), at }, ty);
             }
-            Meaning::Bit(place, bit, _) => {
+            PathMeaning::Bit(place, bit, _) => {
                 if self.context.constant {
                     self.not_constant(at, "a constant is needed here");
                     return LiteralOperand::Wrong;
@@ -170,12 +170,12 @@ impl<'a> Sema<'a> {
                 let kind = ExprKind::LoadBit(place, bit);
                 return LiteralOperand::Value(Expr { kind, ty: Ty::Scalar(Elementary::Bool), at }, ty);
             }
-            Meaning::Property(instance, name) => return self.get_property(&instance, name),
-            Meaning::Function(_) | Meaning::Method(..) => "this is called with brackets, as in f(x)",
-            Meaning::Action(..) => "an action has no value",
-            Meaning::Program(_) => "a program has no value",
-            Meaning::Type(_) => "a type has no value",
-            Meaning::Super(_) => "SUPER^ has no value",
+            PathMeaning::Property(instance, name) => return self.get_property(&instance, name),
+            PathMeaning::Function(_) | PathMeaning::Method(..) => "this is called with brackets, as in f(x)",
+            PathMeaning::Action(..) => "an action has no value",
+            PathMeaning::Program(_) => "a program has no value",
+            PathMeaning::Type(_) => "a type has no value",
+            PathMeaning::Super(_) => "SUPER^ has no value",
         };
         self.findings.error(Code::NotAValue, at, message, "");
         LiteralOperand::Wrong

@@ -2,12 +2,12 @@
 
 use super::declare::initial_at;
 use super::late::LateBase;
-use super::scope::{Home, Symbol};
+use super::scope::{Home, ScopeSymbol};
 use super::types::{Type, TypeId, elements, stride};
 use super::{Sema, State};
 use crate::codes::Code;
 use crate::findings::count;
-use crate::parse::ast::{self, Expr, Initial, SectionKind};
+use crate::parse::ast::{self, Expr, Initializer, SectionKind};
 use crate::tree::{self, ExprKind, Stmt, StmtKind, Target, TreePlace};
 
 /// How deep constants may be made of others that are declared later.
@@ -15,27 +15,33 @@ const CONSTANT_DEPTH: u32 = 60;
 
 impl<'a> Sema<'a> {
     /// Writes an initial value into an image, over the default that stands at `offset`.
-    pub(super) fn write_initial(&mut self, ty: TypeId, initial: &'a Initial, image: &mut [u8], offset: u32) {
+    pub(super) fn write_initial(
+        &mut self,
+        ty: TypeId,
+        initial: &'a Initializer,
+        image: &mut [u8],
+        offset: u32,
+    ) {
         let outer = std::mem::replace(&mut self.context.constant, true);
         self.write_one(ty, initial, image, offset);
         self.context.constant = outer;
     }
 
-    fn write_one(&mut self, ty: TypeId, initial: &'a Initial, image: &mut [u8], offset: u32) {
+    fn write_one(&mut self, ty: TypeId, initial: &'a Initializer, image: &mut [u8], offset: u32) {
         match (self.ty(ty).clone(), initial) {
             (Type::Wrong, _) => {}
             // Rows in brackets of their own: an array of arrays lies in memory alike.
-            (Type::Array { dimensions, of }, Initial::List(list, _))
+            (Type::Array { dimensions, of }, Initializer::List(list, _))
                 if dimensions.len() > 1
                     && !matches!(self.ty(of), Type::Array { .. })
-                    && list.iter().all(|(_, value)| matches!(value, Initial::List(..))) =>
+                    && list.iter().all(|(_, value)| matches!(value, Initializer::List(..))) =>
             {
                 let (first, rest) = dimensions.split_at(1);
                 let row = self.intern(Type::Array { dimensions: rest.to_vec(), of });
                 let rows = self.intern(Type::Array { dimensions: first.to_vec(), of: row });
                 self.write_one(rows, initial, image, offset);
             }
-            (Type::Array { dimensions, of }, Initial::List(list, at)) => {
+            (Type::Array { dimensions, of }, Initializer::List(list, at)) => {
                 let step = stride(self.layout(of));
                 let room = elements(&dimensions);
                 let mut nth = 0u64;
@@ -85,7 +91,7 @@ impl<'a> Sema<'a> {
                     nth += times;
                 }
             }
-            (_, Initial::Members(members, _)) => {
+            (_, Initializer::Members(members, _)) => {
                 for (nth, (name, value)) in members.iter().enumerate() {
                     if members.iter().take(nth).any(|(other, _)| other.key == name.key) {
                         let message = format!("`{}` has a value already", self.shown(*name));
@@ -115,7 +121,7 @@ impl<'a> Sema<'a> {
                     }
                 }
             }
-            (Type::Array { .. }, Initial::One(value)) => {
+            (Type::Array { .. }, Initializer::One(value)) => {
                 if !matches!(value.kind, ast::ExprKind::Name(_) | ast::ExprKind::Global(_)) {
                     let message = format!("{} takes a list", self.type_name(ty));
                     let help = "write the values in brackets, as in [1, 2, 3(0)]";
@@ -124,11 +130,11 @@ impl<'a> Sema<'a> {
                     put(image, offset, &bytes);
                 }
             }
-            (_, Initial::List(_, at)) => {
+            (_, Initializer::List(_, at)) => {
                 let message = format!("{} takes one value", self.type_name(ty));
                 self.findings.error(Code::InitialValue, *at, message, "lists are for arrays");
             }
-            (_, Initial::One(value)) => {
+            (_, Initializer::One(value)) => {
                 if self.wait_for(value, ty, offset) {
                     return;
                 }
@@ -179,9 +185,9 @@ impl<'a> Sema<'a> {
     }
 
     /// The cell of an initial value of a scalar type.
-    pub(super) fn constant_initial(&mut self, initial: &'a Initial, ty: TypeId) -> Option<i64> {
+    pub(super) fn constant_initial(&mut self, initial: &'a Initializer, ty: TypeId) -> Option<i64> {
         match initial {
-            Initial::One(value) => self.constant_cell(value, ty),
+            Initializer::One(value) => self.constant_cell(value, ty),
             other => {
                 let message = format!("{} takes one value", self.type_name(ty));
                 self.findings.error(Code::InitialValue, initial_at(other), message, "");
@@ -225,7 +231,7 @@ impl<'a> Sema<'a> {
     }
 
     /// Reports a constant that nothing gives a value to. Structures bring their own: libraries keep their settings so.
-    pub(super) fn check_constant(&mut self, symbol: &Symbol<'a>) {
+    pub(super) fn check_constant(&mut self, symbol: &ScopeSymbol<'a>) {
         let ty = symbol.type_id();
         let own = matches!(self.ty(ty), Type::Structure(_) | Type::Block(_) | Type::Native(_));
         if symbol.is_value() && !super::is_wrong(ty) && !own {
@@ -235,8 +241,8 @@ impl<'a> Sema<'a> {
     }
 
     /// Whether an initial value of a local variable has to be computed at each call.
-    fn is_dynamic(&mut self, symbol: &Symbol<'a>, initial: &'a Initial) -> bool {
-        let Initial::One(value) = initial else { return false };
+    fn is_dynamic(&mut self, symbol: &ScopeSymbol<'a>, initial: &'a Initializer) -> bool {
+        let Initializer::One(value) = initial else { return false };
         matches!(symbol.kind, SectionKind::Local | SectionKind::Temp)
             && !symbol.constant
             && !self.is_constant_expr(value)
@@ -295,7 +301,7 @@ impl<'a> Sema<'a> {
         }
         for symbol in symbols {
             let (Some(initial), Home::Frame(offset)) = (&symbol.decl.initial, symbol.home) else { continue };
-            let Initial::One(value) = initial else { continue };
+            let Initializer::One(value) = initial else { continue };
             if !self.is_dynamic(&symbol, initial) {
                 continue;
             }

@@ -3,7 +3,7 @@
 //! what it leaves after are the initial values of the program.
 
 use super::Sema;
-use super::scope::{Callable, CallableKind, Home, Symbol};
+use super::scope::{Callable, CallableKind, Home, ScopeSymbol};
 use super::types::{Type, TypeId, elements, stride};
 use crate::codes::Code;
 use crate::findings::SourcePlace;
@@ -74,11 +74,11 @@ impl<'a> Sema<'a> {
     }
 
     /// Whether something in an initial value may have to wait, by its looks.
-    pub(super) fn is_late(&self, initial: &ast::Initial) -> bool {
+    pub(super) fn is_late(&self, initial: &ast::Initializer) -> bool {
         match initial {
-            ast::Initial::One(value) => !self.is_constant_expr(value),
-            ast::Initial::List(list, _) => list.iter().any(|(_, value)| self.is_late(value)),
-            ast::Initial::Members(members, _) => members.iter().any(|(_, value)| self.is_late(value)),
+            ast::Initializer::One(value) => !self.is_constant_expr(value),
+            ast::Initializer::List(list, _) => list.iter().any(|(_, value)| self.is_late(value)),
+            ast::Initializer::Members(members, _) => members.iter().any(|(_, value)| self.is_late(value)),
         }
     }
 
@@ -131,7 +131,7 @@ impl<'a> Sema<'a> {
             .symbols
             .iter()
             .filter(|symbol| matches!(symbol.home, Home::This(_)))
-            .map(Symbol::type_id)
+            .map(ScopeSymbol::type_id)
             .collect();
         let own = !self.pous[block as usize].late.is_empty()
             || members.into_iter().any(|ty| self.is_made(ty))
@@ -183,7 +183,7 @@ impl<'a> Sema<'a> {
     }
 
     /// Variables that are there from the start: those of programs, the global ones, VAR_STAT.
-    fn lasting(&self) -> Vec<(Option<u32>, Vec<Symbol<'a>>)> {
+    fn lasting(&self) -> Vec<(Option<u32>, Vec<ScopeSymbol<'a>>)> {
         let mut all = vec![(None, self.globals.clone())];
         for (place, pou) in (0u32..).zip(&self.pous) {
             let program = pou.ast.kind == PouKind::Program;
@@ -235,7 +235,7 @@ impl<'a> Sema<'a> {
     /// Makes the instances in one variable.
     pub(super) fn made_variable(
         &mut self,
-        symbol: &Symbol<'a>,
+        symbol: &ScopeSymbol<'a>,
         to: (TreeRoot, u32),
         statements: &mut Vec<Stmt>,
     ) {
@@ -267,7 +267,7 @@ impl<'a> Sema<'a> {
     /// Makes what stands at a place of a variable; `nth` counts the elements of an array.
     fn made(
         &mut self,
-        symbol: &Symbol<'a>,
+        symbol: &ScopeSymbol<'a>,
         ty: TypeId,
         (root, offset): (TreeRoot, u32),
         nth: Option<usize>,

@@ -2,7 +2,7 @@
 
 use super::Sema;
 use super::literal::LiteralOperand;
-use super::place::{Instance, Meaning};
+use super::place::{ObjectAccess, PathMeaning};
 use super::scope::{FoundName, Home, SelectorKind};
 use super::types::{Type, TypeId};
 use crate::codes::Code;
@@ -15,32 +15,35 @@ use crate::types::Elementary;
 
 impl Sema<'_> {
     /// A member of what a path means.
-    pub(super) fn member_meaning(&mut self, of: Meaning, name: Name) -> Meaning {
+    pub(super) fn member_meaning(&mut self, of: PathMeaning, name: Name) -> PathMeaning {
         match of {
-            Meaning::Wrong => Meaning::Wrong,
-            Meaning::Place(place, ty, fixed) => self.place_member(place, ty, fixed, name),
-            Meaning::Type(ty) => self.enumerator_of(ty, name),
-            Meaning::Program(pou) => self.program_member(pou, name),
-            Meaning::Super(base) => self.super_member(base, name),
+            PathMeaning::Wrong => PathMeaning::Wrong,
+            PathMeaning::Place(place, ty, fixed) => self.place_member(place, ty, fixed, name),
+            PathMeaning::Type(ty) => self.enumerator_of(ty, name),
+            PathMeaning::Program(pou) => self.program_member(pou, name),
+            PathMeaning::Super(base) => self.super_member(base, name),
             // What a reference that was given refers to is no copy.
-            Meaning::Operand(LiteralOperand::Value(Expr { kind: ExprKind::Load(place), .. }, ty))
+            PathMeaning::Operand(LiteralOperand::Value(Expr { kind: ExprKind::Load(place), .. }, ty))
                 if matches!(place.root, tree::TreeRoot::Address(_)) =>
             {
                 self.place_member(place, ty, None, name)
             }
-            Meaning::Operand(operand) => {
-                let Some((value, ty)) = self.own_value(operand, name.at) else { return Meaning::Wrong };
+            PathMeaning::Operand(operand) => {
+                let Some((value, ty)) = self.own_value(operand, name.at) else { return PathMeaning::Wrong };
                 let place = self.held_value(value, name.at);
                 self.place_member(place, ty, Some("it is a value"), name)
             }
-            Meaning::Property(instance, property) => {
+            PathMeaning::Property(instance, property) => {
                 let value = self.get_property(&instance, property);
-                self.member_meaning(Meaning::Operand(value), name)
+                self.member_meaning(PathMeaning::Operand(value), name)
             }
-            Meaning::Bit(..) | Meaning::Function(_) | Meaning::Method(..) | Meaning::Action(..) => {
+            PathMeaning::Bit(..)
+            | PathMeaning::Function(_)
+            | PathMeaning::Method(..)
+            | PathMeaning::Action(..) => {
                 let message = format!("there is no member `{}` here", self.shown(name));
                 self.findings.error(Code::NotAValue, name.at, message, "");
-                Meaning::Wrong
+                PathMeaning::Wrong
             }
         }
     }
@@ -51,7 +54,7 @@ impl Sema<'_> {
         ty: TypeId,
         fixed: Option<&'static str>,
         name: Name,
-    ) -> Meaning {
+    ) -> PathMeaning {
         match *self.ty(ty) {
             Type::Structure(of) => {
                 let field = self
@@ -65,7 +68,7 @@ impl Sema<'_> {
                     });
                     let near = similar(self.names.key_text(name.key), keys.into_iter());
                     self.unknown_member(name, near, &self.type_name(ty));
-                    return Meaning::Wrong;
+                    return PathMeaning::Wrong;
                 };
                 let inner = self.inside(place, offset, field, name.at);
                 self.followed(inner, field, fixed)
@@ -74,16 +77,16 @@ impl Sema<'_> {
             Type::Native(of) => self.native_member(place, of, name),
             Type::Interface(_) => {
                 let address = Expr { kind: ExprKind::Load(place), ty: Ty::Address, at: name.at };
-                let Type::Interface(interface) = *self.ty(ty) else { return Meaning::Wrong };
+                let Type::Interface(interface) = *self.ty(ty) else { return PathMeaning::Wrong };
                 self.interface_member(address, interface, name)
             }
             Type::Pointer(to) | Type::RefTo(to) => {
                 let message = format!("this is a pointer, which has no `{}`", self.shown(name));
                 let _ = to;
                 self.findings.error(Code::NotAValue, name.at, message, "write ^ after it, as in p^.a");
-                Meaning::Wrong
+                PathMeaning::Wrong
             }
-            Type::Wrong => Meaning::Wrong,
+            Type::Wrong => PathMeaning::Wrong,
             _ => {
                 if self.scalar(ty).is_some_and(Elementary::is_integer)
                     && let Some(number) = self.named_bit(name)
@@ -93,33 +96,33 @@ impl Sema<'_> {
                 let message =
                     format!("there is no member `{}`: this is {}", self.shown(name), self.type_name(ty));
                 self.findings.error(Code::NotAValue, name.at, message, "structures and blocks have members");
-                Meaning::Wrong
+                PathMeaning::Wrong
             }
         }
     }
 
     /// How the object at a place is reached.
-    pub(super) fn instance_at(&mut self, place: TreePlace, block: u32) -> Instance {
+    pub(super) fn instance_at(&mut self, place: TreePlace, block: u32) -> ObjectAccess {
         match place.root {
             tree::TreeRoot::Address(_) => {
                 let address = self.address_of(place);
-                Instance::Block(address, block)
+                ObjectAccess::Block(address, block)
             }
-            tree::TreeRoot::This if place.offset == 0 && place.indices.is_empty() => Instance::Same,
-            _ => Instance::Exact(place, block),
+            tree::TreeRoot::This if place.offset == 0 && place.indices.is_empty() => ObjectAccess::Same,
+            _ => ObjectAccess::Exact(place, block),
         }
     }
 
-    fn block_member(&mut self, place: TreePlace, of: u32, name: Name) -> Meaning {
+    fn block_member(&mut self, place: TreePlace, of: u32, name: Name) -> PathMeaning {
         if let Some((owner, nth)) = self.member(of, name.key) {
-            let Some(symbol) = self.member_symbol(owner, nth).cloned() else { return Meaning::Wrong };
+            let Some(symbol) = self.member_symbol(owner, nth).cloned() else { return PathMeaning::Wrong };
             let inside = self.context.pou.is_some_and(|pou| self.extends(pou, owner));
             let ty = symbol.type_id();
             if symbol.is_value()
                 && let Some(cell) = self.symbol_value(FoundName::Member(owner, nth))
                 && let Some(scalar) = self.scalar(ty)
             {
-                return Meaning::Operand(LiteralOperand::Value(self.constant(cell, scalar, name.at), ty));
+                return PathMeaning::Operand(LiteralOperand::Value(self.constant(cell, scalar, name.at), ty));
             }
             let fixed = match symbol.kind {
                 _ if symbol.is_value() => Some("it is a constant"),
@@ -136,14 +139,14 @@ impl Sema<'_> {
                     let place = self.place(tree::TreeRoot::Absolute, address, ty, kept, name.at);
                     return self.followed(place, ty, fixed);
                 }
-                _ => return Meaning::Wrong,
+                _ => return PathMeaning::Wrong,
             };
             if let Some(offset) = home {
                 // An in-out: what it was given last.
                 let slot = TreePlace { ty: Ty::Address, ..self.inside(place, offset, ty, name.at) };
                 let address = Expr { kind: ExprKind::Load(slot), ty: Ty::Address, at: name.at };
                 let place = self.place(tree::TreeRoot::Address(Box::new(address)), 0, ty, false, name.at);
-                return Meaning::Place(place, ty, fixed);
+                return PathMeaning::Place(place, ty, fixed);
             }
             let inner = TreePlace { retained: kept, ..self.inside(place, offset, ty, name.at) };
             return self.followed(inner, ty, fixed);
@@ -151,18 +154,18 @@ impl Sema<'_> {
         if let Some(method) = self.method(of, name.key) {
             self.check_access(method, name.at);
             let instance = self.instance_at(place, of);
-            return Meaning::Method(instance, name);
+            return PathMeaning::Method(instance, name);
         }
         let getter = self.accessor(of, name.key, SelectorKind::Get);
         if let Some(accessor) = getter.or_else(|| self.accessor(of, name.key, SelectorKind::Set)) {
             self.check_access(accessor, name.at);
             let instance = self.instance_at(place, of);
-            return Meaning::Property(instance, name);
+            return PathMeaning::Property(instance, name);
         }
         if let Some(action) = self.action(of, name.key) {
             let same =
                 matches!(place.root, tree::TreeRoot::This) && place.offset == 0 && place.indices.is_empty();
-            return Meaning::Action(action, if same { None } else { Some(place) });
+            return PathMeaning::Action(action, if same { None } else { Some(place) });
         }
         let mut keys: Vec<&str> = Vec::new();
         for owner in self.lineage(of) {
@@ -173,11 +176,11 @@ impl Sema<'_> {
         let near = similar(self.names.key_text(name.key), keys.into_iter());
         let shown = self.pous[of as usize].shown.clone();
         self.unknown_member(name, near, &shown);
-        Meaning::Wrong
+        PathMeaning::Wrong
     }
 
-    fn native_member(&mut self, place: TreePlace, of: u16, name: Name) -> Meaning {
-        let Some(native) = self.options.blocks.get(usize::from(of)) else { return Meaning::Wrong };
+    fn native_member(&mut self, place: TreePlace, of: u16, name: Name) -> PathMeaning {
+        let Some(native) = self.options.blocks.get(usize::from(of)) else { return PathMeaning::Wrong };
         let key = self.names.key_text(name.key);
         let found =
             native.pin(key).filter(|nth| native.pins.get(*nth).is_some_and(|p| p.kind != PinKind::Hidden));
@@ -188,7 +191,7 @@ impl Sema<'_> {
                 let fixed = (pin.kind == PinKind::Output).then_some("it is an output of the block");
                 let offset = u32::from(*offset);
                 let ty = self.elementary(pin.ty);
-                Meaning::Place(self.inside(place, offset, ty, name.at), ty, fixed)
+                PathMeaning::Place(self.inside(place, offset, ty, name.at), ty, fixed)
             }
             None => {
                 let pins = native.pins.iter().filter(|pin| pin.kind != PinKind::Hidden);
@@ -196,19 +199,19 @@ impl Sema<'_> {
                 let help = format!("{} has {}", native.name, names.join(", "));
                 let message = format!("`{}` has no `{}`", native.name, self.shown(name));
                 self.findings.error(Code::UnknownName, name.at, message, help);
-                Meaning::Wrong
+                PathMeaning::Wrong
             }
         }
     }
 
-    pub(super) fn interface_member(&mut self, address: Expr, interface: u32, name: Name) -> Meaning {
+    pub(super) fn interface_member(&mut self, address: Expr, interface: u32, name: Name) -> PathMeaning {
         let heads = self.interfaces.get(interface as usize).map_or(&[][..], |i| i.heads.as_slice());
         let found =
             heads.iter().find(|(selector, _)| selector.key == name.key).map(|(selector, _)| selector.kind);
-        let instance = Instance::Interface(address, interface);
+        let instance = ObjectAccess::Interface(address, interface);
         match found {
-            Some(SelectorKind::Method) => Meaning::Method(instance, name),
-            Some(_) => Meaning::Property(instance, name),
+            Some(SelectorKind::Method) => PathMeaning::Method(instance, name),
+            Some(_) => PathMeaning::Property(instance, name),
             None => {
                 let keys: Vec<&str> =
                     heads.iter().map(|(selector, _)| self.names.key_text(selector.key)).collect();
@@ -216,52 +219,52 @@ impl Sema<'_> {
                 let shown =
                     self.interfaces.get(interface as usize).map_or(String::new(), |i| i.shown.clone());
                 self.unknown_member(name, near, &shown);
-                Meaning::Wrong
+                PathMeaning::Wrong
             }
         }
     }
 
-    fn super_member(&mut self, base: u32, name: Name) -> Meaning {
+    fn super_member(&mut self, base: u32, name: Name) -> PathMeaning {
         if self.method(base, name.key).is_some() {
-            return Meaning::Method(Instance::Super(base), name);
+            return PathMeaning::Method(ObjectAccess::Super(base), name);
         }
         if self.accessor(base, name.key, SelectorKind::Get).is_some()
             || self.accessor(base, name.key, SelectorKind::Set).is_some()
         {
-            return Meaning::Property(Instance::Super(base), name);
+            return PathMeaning::Property(ObjectAccess::Super(base), name);
         }
         if let Some((owner, nth)) = self.member(base, name.key) {
             return self.symbol_meaning(FoundName::Member(owner, nth), name);
         }
         if let Some(action) = self.action(base, name.key) {
-            return Meaning::Action(action, None);
+            return PathMeaning::Action(action, None);
         }
         let shown = self.pous[base as usize].shown.clone();
         self.unknown_member(name, None, &shown);
-        Meaning::Wrong
+        PathMeaning::Wrong
     }
 
     /// A variable or action of another program.
-    fn program_member(&mut self, pou: u32, name: Name) -> Meaning {
+    fn program_member(&mut self, pou: u32, name: Name) -> PathMeaning {
         let Some(nth) = self.pous[pou as usize].index.get(&name.key).copied() else {
             if let Some(action) = self.action(pou, name.key) {
-                return Meaning::Action(action, None);
+                return PathMeaning::Action(action, None);
             }
             let symbols = &self.pous[pou as usize].symbols;
             let keys = symbols.iter().map(|symbol| self.names.key_text(symbol.name.key));
             let near = similar(self.names.key_text(name.key), keys);
             let shown = self.pous[pou as usize].shown.clone();
             self.unknown_member(name, near, &shown);
-            return Meaning::Wrong;
+            return PathMeaning::Wrong;
         };
         let input = self.member_symbol(pou, nth).is_some_and(|symbol| symbol.kind == SectionKind::Input);
         let own = self.context.pou == Some(pou);
         match self.symbol_meaning(FoundName::Member(pou, nth), name) {
-            Meaning::Place(place, ty, fixed) if !input && !own => {
-                Meaning::Place(place, ty, fixed.or(Some("only inputs of another program can be")))
+            PathMeaning::Place(place, ty, fixed) if !input && !own => {
+                PathMeaning::Place(place, ty, fixed.or(Some("only inputs of another program can be")))
             }
-            Meaning::Bit(place, bit, fixed) if !own => {
-                Meaning::Bit(place, bit, fixed.or(Some("only inputs of another program can be")))
+            PathMeaning::Bit(place, bit, fixed) if !own => {
+                PathMeaning::Bit(place, bit, fixed.or(Some("only inputs of another program can be")))
             }
             meaning => meaning,
         }

@@ -30,16 +30,16 @@ mod table;
 mod task;
 mod types;
 
-use crate::findings::{Findings, SourcePlace};
+use crate::findings::{CompileFindings, SourcePlace};
 use crate::options::Options;
 use crate::parse::NameTable;
 use crate::parse::ast::{self, Key, Name, SectionKind};
 use crate::program::{Located, Retained};
-use crate::shape::{Root, Shape, ShapeId};
+use crate::shape::{MemoryLayout, Root, ShapeId};
 use crate::tree::{Tree, UnitTree};
 use crate::types::Elementary;
 use document::SourceFile;
-use scope::{Callable, Pou, ScopeContext, Symbol};
+use scope::{Callable, Pou, ScopeContext, ScopeSymbol};
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 use types::{Enumeration, Structure, Type, TypeId, WRONG};
@@ -99,20 +99,20 @@ enum State<T> {
 
 /// An interface.
 struct Interface<'a> {
-    ast: &'a ast::Interface,
+    ast: &'a ast::InterfaceDecl,
     shown: String,
     extends: Vec<u32>,
     /// Heads of its methods and accessors with those that it inherits.
-    heads: Vec<(scope::Selector, Callable<'a>)>,
+    heads: Vec<(scope::MethodSelector, Callable<'a>)>,
     state: State<()>,
 }
 
 /// The work on one application.
 struct Sema<'a> {
-    unit: &'a ast::Unit,
+    unit: &'a ast::SourceUnit,
     names: &'a NameTable,
     options: &'a Options,
-    findings: Findings<'a>,
+    findings: CompileFindings<'a>,
     sources: &'a [SourceFile],
     /// How many of them are the user's: they stand first.
     own: usize,
@@ -126,14 +126,14 @@ struct Sema<'a> {
     inline_types: HashMap<(u16, u32), TypeId>,
     enumerators: KeyMap<Key, Vec<(TypeId, i64)>>,
     outside: KeyMap<Key, Global>,
-    globals: Vec<Symbol<'a>>,
+    globals: Vec<ScopeSymbol<'a>>,
     pous: Vec<Pou<'a>>,
     interfaces: Vec<Interface<'a>>,
     native_index: KeyMap<Key, u16>,
     native_layouts: Vec<(Vec<u16>, u32)>,
     callables: Vec<Callable<'a>>,
-    selectors: Vec<scope::Selector>,
-    selector_index: HashMap<scope::Selector, u32>,
+    selectors: Vec<scope::MethodSelector>,
+    selector_index: HashMap<scope::MethodSelector, u32>,
     kinds: Vec<scope::SymbolKind>,
     depth: u32,
     /// Whether the type of an in-out is being found out, which may be an array of variable length.
@@ -150,7 +150,7 @@ struct Sema<'a> {
     retaining: HashMap<TypeId, bool>,
     located: Vec<Located>,
     roots: Vec<Root>,
-    shapes: Vec<Shape>,
+    shapes: Vec<MemoryLayout>,
     shape_index: HashMap<TypeId, ShapeId>,
     context: ScopeContext,
     /// The first LREAL of the sources.
@@ -165,12 +165,12 @@ struct Sema<'a> {
 
 /// Checks the declarations and bodies. What is wrong is in the findings, and then the tree is not whole.
 pub(crate) fn check<'a>(
-    unit: &'a ast::Unit,
+    unit: &'a ast::SourceUnit,
     names: &'a NameTable,
     options: &'a Options,
-    findings: Findings<'a>,
+    findings: CompileFindings<'a>,
     (sources, own): (&'a [SourceFile], usize),
-) -> (Tree, Findings<'a>) {
+) -> (Tree, CompileFindings<'a>) {
     let mut sema = Sema {
         unit,
         names,

@@ -4,13 +4,13 @@
 use super::Sema;
 use super::argument::CallParameter;
 use super::literal::LiteralOperand;
-use super::place::Meaning;
+use super::place::PathMeaning;
 use super::types::{Type, TypeId, stride};
 use crate::codes::Code;
 use crate::findings::{SourcePlace, count};
 use crate::parse::ast;
 use crate::tree::{
-    BinaryOp, Expr, ExprKind, Index, Input, Slot, Stmt, StmtKind, Target, TreePlace, TreeRoot, Ty,
+    BinaryOp, CallInput, Expr, ExprKind, Index, Slot, Stmt, StmtKind, Target, TreePlace, TreeRoot, Ty,
 };
 use crate::types::Elementary;
 
@@ -51,9 +51,9 @@ impl Sema<'_> {
     }
 
     /// The bounds that go with an array into an in-out of variable length.
-    pub(super) fn open_inputs(&mut self, written: &ast::Expr, parameter: &CallParameter) -> Vec<Input> {
+    pub(super) fn open_inputs(&mut self, written: &ast::Expr, parameter: &CallParameter) -> Vec<CallInput> {
         let Type::Open { dimensions, .. } = *self.ty(parameter.ty) else { return Vec::new() };
-        let Meaning::Place(place, ty, _) = self.meaning(written) else { return Vec::new() };
+        let PathMeaning::Place(place, ty, _) = self.meaning(written) else { return Vec::new() };
         let at = written.at;
         let known = match self.ty(ty) {
             Type::Array { dimensions, .. } => dimensions.clone(),
@@ -79,7 +79,7 @@ impl Sema<'_> {
                     }
                     Slot::Place(slot) => Slot::Place(self.bound_place(slot, dimension, upper)),
                 };
-                inputs.push(Input { to, value });
+                inputs.push(CallInput { to, value });
             }
         }
         inputs
@@ -189,8 +189,8 @@ impl Sema<'_> {
         let [array, dimension] = values else { return LiteralOperand::Wrong };
         let Some(number) = self.constant_number(dimension) else { return LiteralOperand::Wrong };
         let (place, ty) = match self.meaning(array) {
-            Meaning::Place(place, ty, _) => (place, ty),
-            Meaning::Wrong => return LiteralOperand::Wrong,
+            PathMeaning::Place(place, ty, _) => (place, ty),
+            PathMeaning::Wrong => return LiteralOperand::Wrong,
             _ => {
                 self.findings.error(Code::NotAValue, array.at, "only variables have bounds", "");
                 return LiteralOperand::Wrong;

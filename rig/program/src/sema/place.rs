@@ -3,7 +3,7 @@
 use super::Sema;
 use super::block::home_of;
 use super::literal::LiteralOperand;
-use super::scope::{FoundName, Home, Symbol};
+use super::scope::{FoundName, Home, ScopeSymbol};
 use super::types::{Type, TypeId, WRONG};
 use crate::codes::Code;
 use crate::findings::{SourcePlace, similar};
@@ -15,7 +15,7 @@ use signal::Area;
 
 /// How an object is reached.
 #[derive(Clone, Debug)]
-pub(super) enum Instance {
+pub(super) enum ObjectAccess {
     /// The running one.
     Same,
     /// The running one as what it extends.
@@ -30,14 +30,14 @@ pub(super) enum Instance {
 
 /// What a path means.
 #[derive(Clone, Debug)]
-pub(super) enum Meaning {
+pub(super) enum PathMeaning {
     /// A place, and why it cannot be assigned to.
     Place(TreePlace, TypeId, Option<&'static str>),
     /// A bit of the memory at a place.
     Bit(TreePlace, u32, Option<&'static str>),
     Operand(LiteralOperand),
-    Property(Instance, Name),
-    Method(Instance, Name),
+    Property(ObjectAccess, Name),
+    Method(ObjectAccess, Name),
     /// An action: its callable, the instance's place where it is not the running one.
     Action(u32, Option<TreePlace>),
     Function(u32),
@@ -50,7 +50,7 @@ pub(super) enum Meaning {
 
 impl<'a> Sema<'a> {
     /// What an expression denotes, before its value is asked for.
-    pub(super) fn meaning(&mut self, written: &ast::Expr) -> Meaning {
+    pub(super) fn meaning(&mut self, written: &ast::Expr) -> PathMeaning {
         match &written.kind {
             ast::ExprKind::Name(name) => self.name_meaning(*name),
             ast::ExprKind::Global(name) => match self.find_outside(name.key) {
@@ -79,14 +79,14 @@ impl<'a> Sema<'a> {
             _ => match self.expr(written, None) {
                 // A function gave a reference: it stands for what it refers to.
                 LiteralOperand::Value(Expr { kind: ExprKind::Load(place), .. }, ty) => {
-                    Meaning::Place(place, ty, None)
+                    PathMeaning::Place(place, ty, None)
                 }
-                operand => Meaning::Operand(operand),
+                operand => PathMeaning::Operand(operand),
             },
         }
     }
 
-    /// A global variable with the name of its list before it, as in `Limits.HIGHEST`: exported lists do not say their
+    /// A global variable with the name of its list before it, as in `ProgramLimits.HIGHEST`: exported lists do not say their
     /// name, it is that of their file.
     fn listed(&self, of: &ast::Expr, name: Name) -> Option<u32> {
         let ast::ExprKind::Name(list) = &of.kind else { return None };
@@ -111,21 +111,21 @@ impl<'a> Sema<'a> {
         known && self.find(library.key).is_none()
     }
 
-    fn name_meaning_outside(&mut self, name: Name) -> Meaning {
+    fn name_meaning_outside(&mut self, name: Name) -> PathMeaning {
         match self.find_outside(name.key) {
             Some(found) => self.found_meaning(found, name),
             None => self.unknown(name),
         }
     }
 
-    fn name_meaning(&mut self, name: Name) -> Meaning {
+    fn name_meaning(&mut self, name: Name) -> PathMeaning {
         match self.find(name.key) {
             Some(found) => self.found_meaning(found, name),
             None => self.unknown(name),
         }
     }
 
-    fn found_meaning(&mut self, found: FoundName, name: Name) -> Meaning {
+    fn found_meaning(&mut self, found: FoundName, name: Name) -> PathMeaning {
         match found {
             FoundName::Local(_) | FoundName::Member(..) | FoundName::Global(_) => {
                 self.symbol_meaning(found, name)
@@ -136,19 +136,19 @@ impl<'a> Sema<'a> {
                 self.followed(place, ty, None)
             }
             FoundName::Pou(place) => match self.pous.get(place as usize).map(|pou| pou.ast.kind) {
-                Some(ast::PouKind::Program) => Meaning::Program(place),
-                Some(ast::PouKind::Function) => Meaning::Function(place),
+                Some(ast::PouKind::Program) => PathMeaning::Program(place),
+                Some(ast::PouKind::Function) => PathMeaning::Function(place),
                 _ => {
                     let ty = self.intern(Type::Block(place));
-                    Meaning::Type(ty)
+                    PathMeaning::Type(ty)
                 }
             },
-            FoundName::Type(place) => Meaning::Type(self.named_type(place)),
-            FoundName::Interface(place) => Meaning::Type(self.intern(Type::Interface(place))),
-            FoundName::Native(place) => Meaning::Type(self.intern(Type::Native(place))),
-            FoundName::Method(_) => Meaning::Method(Instance::Same, name),
-            FoundName::Property => Meaning::Property(Instance::Same, name),
-            FoundName::Action(callable) => Meaning::Action(callable, None),
+            FoundName::Type(place) => PathMeaning::Type(self.named_type(place)),
+            FoundName::Interface(place) => PathMeaning::Type(self.intern(Type::Interface(place))),
+            FoundName::Native(place) => PathMeaning::Type(self.intern(Type::Native(place))),
+            FoundName::Method(_) => PathMeaning::Method(ObjectAccess::Same, name),
+            FoundName::Property => PathMeaning::Property(ObjectAccess::Same, name),
+            FoundName::Action(callable) => PathMeaning::Action(callable, None),
             FoundName::Enumerator(ty, cell) => self.enumerator(ty, cell, name.at),
             FoundName::Ambiguous => {
                 let message = format!("several enumerations have a value `{}`", self.shown(name));
@@ -158,7 +158,7 @@ impl<'a> Sema<'a> {
                     message,
                     "write it with its type, as in colour.red",
                 );
-                Meaning::Wrong
+                PathMeaning::Wrong
             }
         }
     }
@@ -167,12 +167,12 @@ impl<'a> Sema<'a> {
         self.context.callable.and_then(|place| self.callables.get(place as usize))
     }
 
-    fn enumerator(&mut self, ty: TypeId, cell: i64, at: SourcePlace) -> Meaning {
+    fn enumerator(&mut self, ty: TypeId, cell: i64, at: SourcePlace) -> PathMeaning {
         let base = self.scalar(ty).unwrap_or(Elementary::Int);
-        Meaning::Operand(LiteralOperand::Value(self.constant(cell, base, at), ty))
+        PathMeaning::Operand(LiteralOperand::Value(self.constant(cell, base, at), ty))
     }
 
-    pub(super) fn enumerator_of(&mut self, ty: TypeId, name: Name) -> Meaning {
+    pub(super) fn enumerator_of(&mut self, ty: TypeId, name: Name) -> PathMeaning {
         if let Type::Enumeration(place) = *self.ty(ty)
             && let Some(enumeration) = self.enumerations.get(place as usize)
         {
@@ -185,7 +185,7 @@ impl<'a> Sema<'a> {
                     let keys = enumeration.values.iter().map(|(key, ..)| self.names.key_text(*key));
                     let near = similar(self.names.key_text(name.key), keys);
                     self.unknown_member(name, near, &self.type_name(ty));
-                    return Meaning::Wrong;
+                    return PathMeaning::Wrong;
                 }
             }
         }
@@ -193,10 +193,10 @@ impl<'a> Sema<'a> {
             let message = format!("{} has no `{}`", self.type_name(ty), self.shown(name));
             self.findings.error(Code::NotAValue, name.at, message, "enumerations have values");
         }
-        Meaning::Wrong
+        PathMeaning::Wrong
     }
 
-    pub(super) fn unknown(&mut self, name: Name) -> Meaning {
+    pub(super) fn unknown(&mut self, name: Name) -> PathMeaning {
         let mut known: Vec<Key> = Vec::new();
         if let Some(callable) = self.running() {
             known.extend(callable.symbols.iter().map(|symbol| symbol.name.key));
@@ -216,12 +216,12 @@ impl<'a> Sema<'a> {
         };
         let message = format!("`{}` is not known", self.shown(name));
         self.findings.error(Code::UnknownName, name.at, message, help);
-        Meaning::Wrong
+        PathMeaning::Wrong
     }
 
     /// A name as it was declared.
     pub(super) fn written(&self, key: &str) -> String {
-        let of = |symbols: &[Symbol<'a>]| {
+        let of = |symbols: &[ScopeSymbol<'a>]| {
             symbols.iter().find(|s| self.names.key_text(s.name.key) == key).map(|s| s.shown.to_string())
         };
         let local = self.running().and_then(|callable| of(&callable.symbols));
@@ -252,7 +252,7 @@ impl<'a> Sema<'a> {
     }
 
     /// A variable or constant.
-    pub(super) fn symbol_meaning(&mut self, found: FoundName, name: Name) -> Meaning {
+    pub(super) fn symbol_meaning(&mut self, found: FoundName, name: Name) -> PathMeaning {
         let symbol = match found {
             FoundName::Local(place) => self.running().and_then(|c| c.symbols.get(place as usize)).cloned(),
             FoundName::Member(owner, place) => self.member_symbol(owner, place).cloned(),
@@ -262,7 +262,7 @@ impl<'a> Sema<'a> {
             }
             _ => None,
         };
-        let Some(mut symbol) = symbol else { return Meaning::Wrong };
+        let Some(mut symbol) = symbol else { return PathMeaning::Wrong };
         if let (Some(edge), FoundName::Member(..)) = (symbol.edge, found) {
             // Inside of the block the input stands for its edge.
             symbol.home = Home::This(edge);
@@ -274,31 +274,31 @@ impl<'a> Sema<'a> {
             let ty = match found {
                 FoundName::Global(place) => self.globals[place as usize].type_id(),
                 FoundName::Member(owner, place) => {
-                    self.member_symbol(owner, place).map_or(WRONG, Symbol::type_id)
+                    self.member_symbol(owner, place).map_or(WRONG, ScopeSymbol::type_id)
                 }
                 _ => symbol.type_id(),
             };
             if let (Some(cell), Some(scalar)) = (value, self.scalar(ty)) {
-                return Meaning::Operand(LiteralOperand::Value(self.constant(cell, scalar, name.at), ty));
+                return PathMeaning::Operand(LiteralOperand::Value(self.constant(cell, scalar, name.at), ty));
             }
             if self.scalar(ty).is_some() {
-                return Meaning::Wrong;
+                return PathMeaning::Wrong;
             }
         }
         let meaning = self.home_meaning(&symbol, name.at);
         let written = self.text(symbol.name.at);
         match (meaning, found) {
-            (Meaning::Place(place, ty, None), FoundName::Global(_))
+            (PathMeaning::Place(place, ty, None), FoundName::Global(_))
                 if self.options.read_only.iter().any(|known| known.eq_ignore_ascii_case(written)) =>
             {
-                Meaning::Place(place, ty, Some("it is a system variable that programs only read"))
+                PathMeaning::Place(place, ty, Some("it is a system variable that programs only read"))
             }
             (meaning, _) => meaning,
         }
     }
 
     /// The place of a variable of the running unit or of the outside.
-    fn home_meaning(&mut self, symbol: &Symbol<'a>, at: SourcePlace) -> Meaning {
+    fn home_meaning(&mut self, symbol: &ScopeSymbol<'a>, at: SourcePlace) -> PathMeaning {
         let ty = symbol.type_id();
         let kept = symbol.retention != Retention::None;
         let fixed = symbol.constant.then_some("it is a constant");
@@ -307,7 +307,7 @@ impl<'a> Sema<'a> {
                 if self.context.constant && ty != WRONG {
                     self.not_constant(at, "a constant is needed here");
                 }
-                return Meaning::Wrong;
+                return PathMeaning::Wrong;
             }
             Home::Absolute(address) => (tree::TreeRoot::Absolute, address),
             Home::This(offset) => (tree::TreeRoot::This, offset),
@@ -317,7 +317,7 @@ impl<'a> Sema<'a> {
             Home::AbsoluteAddress(address) => (self.address_at(tree::TreeRoot::Absolute, address, at), 0),
             Home::Bit(address, bit) => {
                 let place = self.place(tree::TreeRoot::Absolute, address, ty, kept, at);
-                return Meaning::Bit(place, bit, read_only(address).or(fixed));
+                return PathMeaning::Bit(place, bit, read_only(address).or(fixed));
             }
         };
         let fixed = match root {
@@ -335,17 +335,22 @@ impl<'a> Sema<'a> {
     }
 
     /// A reference stands for what it refers to.
-    pub(super) fn followed(&mut self, place: TreePlace, ty: TypeId, fixed: Option<&'static str>) -> Meaning {
-        let Type::Reference(to) = *self.ty(ty) else { return Meaning::Place(place, ty, fixed) };
+    pub(super) fn followed(
+        &mut self,
+        place: TreePlace,
+        ty: TypeId,
+        fixed: Option<&'static str>,
+    ) -> PathMeaning {
+        let Type::Reference(to) = *self.ty(ty) else { return PathMeaning::Place(place, ty, fixed) };
         let at = place.at;
         let address = Expr { kind: ExprKind::Load(place), ty: Ty::Address, at };
         let place = self.place(tree::TreeRoot::Address(Box::new(address)), 0, to, false, at);
-        Meaning::Place(place, to, None)
+        PathMeaning::Place(place, to, None)
     }
 
     /// The place of a reference itself, for `REF=`.
     pub(super) fn reference_place(&mut self, written: &ast::Expr) -> Option<(TreePlace, TypeId)> {
-        let Meaning::Place(place, _, _) = self.meaning(written) else { return None };
+        let PathMeaning::Place(place, _, _) = self.meaning(written) else { return None };
         let tree::TreeRoot::Address(address) = place.root else { return None };
         let ExprKind::Load(slot) = address.kind else { return None };
         let to = self.reference_type(written)?;
@@ -367,7 +372,7 @@ impl<'a> Sema<'a> {
                 self.global_type(place)
             }
             ast::ExprKind::Member(of, name) => {
-                let Meaning::Place(_, ty, _) = self.meaning(of) else { return None };
+                let PathMeaning::Place(_, ty, _) = self.meaning(of) else { return None };
                 match *self.ty(ty) {
                     Type::Structure(place) => {
                         let structure = self.structures.get(place as usize)?;
@@ -414,42 +419,42 @@ impl<'a> Sema<'a> {
         }
     }
 
-    fn deref_meaning(&mut self, of: &ast::Expr, at: SourcePlace) -> Meaning {
+    fn deref_meaning(&mut self, of: &ast::Expr, at: SourcePlace) -> PathMeaning {
         match &of.kind {
             ast::ExprKind::This => {
-                let Some(block) = self.this_block(of.at) else { return Meaning::Wrong };
+                let Some(block) = self.this_block(of.at) else { return PathMeaning::Wrong };
                 let ty = self.intern(Type::Block(block));
-                return Meaning::Place(
+                return PathMeaning::Place(
                     self.place(tree::TreeRoot::This, 0, ty, false, at),
                     ty,
                     Some("it is the instance"),
                 );
             }
             ast::ExprKind::Super => {
-                let Some(block) = self.this_block(of.at) else { return Meaning::Wrong };
+                let Some(block) = self.this_block(of.at) else { return PathMeaning::Wrong };
                 match self.pous[block as usize].base {
-                    Some(base) => return Meaning::Super(base),
+                    Some(base) => return PathMeaning::Super(base),
                     None => {
                         let message = "this block extends no other";
                         self.findings.error(Code::NotAValue, of.at, message, "SUPER needs EXTENDS");
-                        return Meaning::Wrong;
+                        return PathMeaning::Wrong;
                     }
                 }
             }
             _ => {}
         }
         let operand = self.expr(of, None);
-        let Some((pointer, ty)) = self.own_value(operand, of.at) else { return Meaning::Wrong };
+        let Some((pointer, ty)) = self.own_value(operand, of.at) else { return PathMeaning::Wrong };
         match *self.ty(ty) {
             Type::Pointer(to) | Type::RefTo(to) => {
                 let place = self.place(tree::TreeRoot::Address(Box::new(pointer)), 0, to, false, at);
                 self.followed(place, to, None)
             }
-            Type::Wrong => Meaning::Wrong,
+            Type::Wrong => PathMeaning::Wrong,
             _ => {
                 let message = format!("{} is no pointer", self.type_name(ty));
                 self.findings.error(Code::NotAValue, at, message, "remove the ^");
-                Meaning::Wrong
+                PathMeaning::Wrong
             }
         }
     }
@@ -467,38 +472,40 @@ impl<'a> Sema<'a> {
         block
     }
 
-    fn direct(&mut self, text: &str, at: SourcePlace) -> Meaning {
-        let Some(address) = self.address(text, at) else { return Meaning::Wrong };
+    fn direct(&mut self, text: &str, at: SourcePlace) -> PathMeaning {
+        let Some(address) = self.address(text, at) else { return PathMeaning::Wrong };
         let scalar = Elementary::of_size(address.size());
         let ty = self.elementary(scalar);
         let fixed = (address.area() == Area::Input).then_some("inputs are read only");
         match home_of(address) {
             Home::Bit(byte, bit) => {
                 let place = self.place(tree::TreeRoot::Absolute, byte, ty, false, at);
-                Meaning::Bit(place, bit, fixed)
+                PathMeaning::Bit(place, bit, fixed)
             }
             Home::Absolute(byte) => {
-                Meaning::Place(self.place(tree::TreeRoot::Absolute, byte, ty, false, at), ty, fixed)
+                PathMeaning::Place(self.place(tree::TreeRoot::Absolute, byte, ty, false, at), ty, fixed)
             }
-            _ => Meaning::Wrong,
+            _ => PathMeaning::Wrong,
         }
     }
 
     /// What is assigned to, with its type; reports what cannot be.
     pub(super) fn target(&mut self, written: &ast::Expr) -> Option<(Target, TypeId)> {
         let (target, ty, fixed) = match self.meaning(written) {
-            Meaning::Place(place, ty, fixed) => (Target::Place(place), ty, fixed),
-            Meaning::Bit(place, bit, fixed) => {
+            PathMeaning::Place(place, ty, fixed) => (Target::Place(place), ty, fixed),
+            PathMeaning::Bit(place, bit, fixed) => {
                 (Target::Bit(place, bit), self.elementary(Elementary::Bool), fixed)
             }
-            Meaning::Wrong => return None,
-            Meaning::Operand(LiteralOperand::Wrong) => return None,
+            PathMeaning::Wrong => return None,
+            PathMeaning::Operand(LiteralOperand::Wrong) => return None,
             meaning => {
                 let (message, help) = match meaning {
-                    Meaning::Operand(_) if matches!(written.kind, ast::ExprKind::Name(_)) => {
+                    PathMeaning::Operand(_) if matches!(written.kind, ast::ExprKind::Name(_)) => {
                         (format!("`{}` is a constant", self.text(written.at)), "assign to a variable")
                     }
-                    Meaning::Operand(_) => ("a value cannot be assigned to".into(), "assign to a variable"),
+                    PathMeaning::Operand(_) => {
+                        ("a value cannot be assigned to".into(), "assign to a variable")
+                    }
                     _ => (format!("`{}` is no variable", self.text(written.at)), "assign to a variable"),
                 };
                 self.findings.error(Code::ReadOnly, written.at, message, help);

@@ -208,7 +208,7 @@ impl<'a> Sema<'a> {
     }
 
     /// The initial value that a type's name brings along, for types that do not carry it themselves.
-    pub(super) fn type_initial(&self, written: &TypeRef) -> Option<&'a ast::Initial> {
+    pub(super) fn type_initial(&self, written: &TypeRef) -> Option<&'a ast::Initializer> {
         let TypeKind::Named(name) = &written.kind else { return None };
         let Some(Global::Type(place)) = self.outside.get(&name.key) else { return None };
         let decl = self.type_decls.get(*place as usize)?.decl;
@@ -393,7 +393,7 @@ impl<'a> Sema<'a> {
                 }
             }
         }
-        let mut initials: Vec<(u32, TypeId, &'a ast::Initial)> = Vec::new();
+        let mut initials: Vec<(u32, TypeId, &'a ast::Initializer)> = Vec::new();
         for member in members {
             let key: Key = member.name.key;
             if built.fields.iter().any(|field| field.key == key) {
@@ -455,7 +455,7 @@ impl<'a> Sema<'a> {
         }
     }
 
-    fn structure_default(&mut self, ty: TypeId, initial: &'a ast::Initial) {
+    fn structure_default(&mut self, ty: TypeId, initial: &'a ast::Initializer) {
         let Type::Structure(place) = *self.ty(ty) else { return };
         let mut image = self.structures.get(place as usize).map_or(Vec::new(), |s| s.image.clone());
         self.write_initial(ty, initial, &mut image, 0);

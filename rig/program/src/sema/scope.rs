@@ -25,7 +25,7 @@ pub(super) enum Home {
 
 /// A variable or a constant.
 #[derive(Clone, Debug)]
-pub(super) struct Symbol<'a> {
+pub(super) struct ScopeSymbol<'a> {
     pub name: Name,
     pub shown: &'a str,
     pub kind: SectionKind,
@@ -40,7 +40,7 @@ pub(super) struct Symbol<'a> {
     pub value: State<Option<i64>>,
 }
 
-impl Symbol<'_> {
+impl ScopeSymbol<'_> {
     pub(super) fn type_id(&self) -> TypeId {
         match self.ty {
             State::Done(ty) => ty,
@@ -68,7 +68,7 @@ pub(super) enum SelectorKind {
 
 /// The name under which a method is chosen at run time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(super) struct Selector {
+pub(super) struct MethodSelector {
     pub key: Key,
     pub kind: SelectorKind,
 }
@@ -106,7 +106,7 @@ pub(super) struct Callable<'a> {
     pub result_ref: Option<&'a ast::TypeRef>,
     pub result: Option<TypeId>,
     /// Variables of the frame, parameters among them, in order.
-    pub symbols: Vec<Symbol<'a>>,
+    pub symbols: Vec<ScopeSymbol<'a>>,
     pub index: KeyMap<Key, u32>,
     /// VAR_INST of a method: places among the members of its block.
     pub kept: KeyMap<Key, u32>,
@@ -146,7 +146,7 @@ pub(super) struct Pou<'a> {
     pub base: Option<u32>,
     pub interfaces: Vec<u32>,
     /// Members of the instance, own ones only.
-    pub symbols: Vec<Symbol<'a>>,
+    pub symbols: Vec<ScopeSymbol<'a>>,
     pub index: KeyMap<Key, u32>,
     /// Methods and actions by name, accessors by name: places in `Sema::callables`, own ones only.
     pub methods: KeyMap<Key, u32>,
@@ -295,7 +295,7 @@ impl<'a> Sema<'a> {
         })
     }
 
-    pub(super) fn member_symbol(&self, owner: u32, place: u32) -> Option<&Symbol<'a>> {
+    pub(super) fn member_symbol(&self, owner: u32, place: u32) -> Option<&ScopeSymbol<'a>> {
         self.pous.get(owner as usize)?.symbols.get(place as usize)
     }
 

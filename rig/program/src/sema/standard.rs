@@ -2,7 +2,7 @@
 
 use super::Sema;
 use super::literal::LiteralOperand;
-use super::place::Meaning;
+use super::place::PathMeaning;
 use super::scope::SymbolKind;
 use super::types::{Type, TypeId, WRONG};
 use crate::codes::Code;
@@ -437,10 +437,10 @@ impl<'a> Sema<'a> {
                 let meaning = self.meaning(value);
                 self.context.constant = outer;
                 match meaning {
-                    Meaning::Place(_, ty, _) | Meaning::Type(ty) => ty,
-                    Meaning::Bit(..) => self.elementary(Elementary::Bool),
-                    Meaning::Operand(operand) => self.own_type(&operand),
-                    Meaning::Wrong => return LiteralOperand::Wrong,
+                    PathMeaning::Place(_, ty, _) | PathMeaning::Type(ty) => ty,
+                    PathMeaning::Bit(..) => self.elementary(Elementary::Bool),
+                    PathMeaning::Operand(operand) => self.own_type(&operand),
+                    PathMeaning::Wrong => return LiteralOperand::Wrong,
                     _ => {
                         self.findings.error(Code::NotAValue, at, "this has no size", "");
                         return LiteralOperand::Wrong;
@@ -469,14 +469,14 @@ impl<'a> Sema<'a> {
         let meaning = self.meaning(value);
         self.context.constant = outer;
         match meaning {
-            Meaning::Place(place, ty, _) => {
+            PathMeaning::Place(place, ty, _) => {
                 let address = self.address_of(place);
                 let pointer =
                     if reference { self.intern(Type::RefTo(ty)) } else { self.intern(Type::Pointer(ty)) };
                 LiteralOperand::Value(address, pointer)
             }
-            Meaning::Wrong | Meaning::Operand(LiteralOperand::Wrong) => LiteralOperand::Wrong,
-            Meaning::Bit(..) => {
+            PathMeaning::Wrong | PathMeaning::Operand(LiteralOperand::Wrong) => LiteralOperand::Wrong,
+            PathMeaning::Bit(..) => {
                 let message = "a single bit has no address";
                 self.findings.error(
                     Code::Output,
@@ -486,7 +486,7 @@ impl<'a> Sema<'a> {
                 );
                 LiteralOperand::Wrong
             }
-            Meaning::Operand(LiteralOperand::Text(wide, units)) if !reference => {
+            PathMeaning::Operand(LiteralOperand::Text(wide, units)) if !reference => {
                 // The text stands in the memory for good, as pointers to it may be kept.
                 let ty = self.intern(Type::Text { wide, length: (units.len() as u32).max(1) });
                 let bytes = super::literal::stored(wide, &units);
@@ -537,8 +537,8 @@ impl<'a> Sema<'a> {
         let slot = match self.reference_place(value) {
             Some((slot, _)) => slot,
             None => match self.meaning(value) {
-                Meaning::Place(place, ty, _) if self.is_address(ty) => place,
-                Meaning::Wrong => return LiteralOperand::Wrong,
+                PathMeaning::Place(place, ty, _) if self.is_address(ty) => place,
+                PathMeaning::Wrong => return LiteralOperand::Wrong,
                 _ => {
                     let message = "__ISVALIDREF takes a reference, a pointer or an interface";
                     self.findings.error(Code::Type, value.at, message, "");

@@ -2,7 +2,7 @@
 
 use super::Sema;
 use super::literal::LiteralOperand;
-use super::place::Meaning;
+use super::place::PathMeaning;
 use super::types::{Type, TypeId, WRONG};
 use crate::codes::Code;
 use crate::findings::SourcePlace;
@@ -179,7 +179,7 @@ impl<'a> Sema<'a> {
     }
 
     /// The property that is assigned to, if it is one.
-    fn property_target(&mut self, target: &ast::Expr) -> Option<(super::place::Instance, ast::Name)> {
+    fn property_target(&mut self, target: &ast::Expr) -> Option<(super::place::ObjectAccess, ast::Name)> {
         let name = match &target.kind {
             ast::ExprKind::Name(name) => *name,
             ast::ExprKind::Member(_, name) => *name,
@@ -192,10 +192,10 @@ impl<'a> Sema<'a> {
         if let (ast::ExprKind::Name(_), Some(super::scope::FoundName::Property)) =
             (&target.kind, self.find(name.key))
         {
-            return Some((super::place::Instance::Same, name));
+            return Some((super::place::ObjectAccess::Same, name));
         }
         if let ast::ExprKind::Member(..) = &target.kind
-            && let Meaning::Property(instance, name) = self.meaning(target)
+            && let PathMeaning::Property(instance, name) = self.meaning(target)
         {
             return Some((instance, name));
         }
@@ -203,10 +203,10 @@ impl<'a> Sema<'a> {
     }
 
     fn is_property_name(&self, key: ast::Key) -> bool {
-        use super::scope::{Selector, SelectorKind};
+        use super::scope::{MethodSelector, SelectorKind};
         [SelectorKind::Get, SelectorKind::Set]
             .into_iter()
-            .any(|kind| self.selector_index.contains_key(&Selector { key, kind }))
+            .any(|kind| self.selector_index.contains_key(&MethodSelector { key, kind }))
     }
 
     /// `r REF= x`.
@@ -228,7 +228,7 @@ impl<'a> Sema<'a> {
                 Expr { kind: ExprKind::Constant(0), ty: Ty::Address, at: value.at }
             }
             _ => match self.meaning(value) {
-                Meaning::Place(place, from, _) => {
+                PathMeaning::Place(place, from, _) => {
                     if !self.reference_fits(from, to, false) {
                         if from != WRONG {
                             self.mismatch(from, to, value.at);
@@ -237,11 +237,13 @@ impl<'a> Sema<'a> {
                     }
                     self.address_of(place)
                 }
-                Meaning::Wrong => return,
+                PathMeaning::Wrong => return,
                 // What a function or method refers to.
-                Meaning::Operand(LiteralOperand::Value(Expr { kind: ExprKind::Load(place), .. }, from))
-                    if matches!(place.root, crate::tree::TreeRoot::Address(_))
-                        && self.reference_fits(from, to, false) =>
+                PathMeaning::Operand(LiteralOperand::Value(
+                    Expr { kind: ExprKind::Load(place), .. },
+                    from,
+                )) if matches!(place.root, crate::tree::TreeRoot::Address(_))
+                    && self.reference_fits(from, to, false) =>
                 {
                     self.address_of(place)
                 }
@@ -289,10 +291,10 @@ impl<'a> Sema<'a> {
         let operand = match &written.kind {
             ast::ExprKind::Call(callee, arguments) => self.call_value(callee, arguments, written.at),
             _ => match self.meaning(written) {
-                Meaning::Action(..) | Meaning::Program(_) | Meaning::Method(..) => {
+                PathMeaning::Action(..) | PathMeaning::Program(_) | PathMeaning::Method(..) => {
                     self.call_value(written, &[], written.at)
                 }
-                Meaning::Wrong => return None,
+                PathMeaning::Wrong => return None,
                 _ => {
                     let message = format!("`{}` alone does nothing", self.text(written.at));
                     let help = "assign with :=, or call with brackets";

@@ -3,15 +3,15 @@
 use super::{Global, Sema};
 use crate::codes::Code;
 use crate::parse::ast::{self, PouKind};
-use crate::program::TaskInfo;
+use crate::program::ConfiguredTask;
 use crate::types::Elementary;
 use signal::Span;
 
 impl Sema<'_> {
     /// The tasks of all configurations; `programs` gives the place of a program by that of its unit.
-    pub(super) fn tasks(&mut self, programs: &[u32]) -> Vec<TaskInfo> {
+    pub(super) fn tasks(&mut self, programs: &[u32]) -> Vec<ConfiguredTask> {
         let unit = self.unit;
-        let mut list: Vec<(ast::Key, TaskInfo)> = Vec::new();
+        let mut list: Vec<(ast::Key, ConfiguredTask)> = Vec::new();
         for configuration in &unit.configurations {
             for task in &configuration.tasks {
                 if list.iter().any(|(key, _)| *key == task.name.key) {
@@ -68,8 +68,8 @@ impl Sema<'_> {
         list.into_iter().map(|(_, info)| info).collect()
     }
 
-    fn task(&mut self, task: &ast::TaskDecl) -> Option<TaskInfo> {
-        let mut info = TaskInfo {
+    fn task(&mut self, task: &ast::TaskDecl) -> Option<ConfiguredTask> {
+        let mut info = ConfiguredTask {
             name: self.shown(task.name).to_string(),
             interval: None,
             single: None,

@@ -2,7 +2,7 @@
 
 use super::Sema;
 use crate::parse::ast::Key;
-use crate::shape::{Member as ShapeMember, Shape, ShapeId};
+use crate::shape::{Member as ShapeMember, MemoryLayout, ShapeId};
 use crate::tree::Ty;
 use crate::types::Elementary;
 
@@ -300,22 +300,22 @@ impl Sema<'_> {
             return *shape;
         }
         let shape = match self.ty(id).clone() {
-            Type::Wrong => Shape::Address,
-            Type::Elementary(ty) => Shape::Elementary(ty),
-            Type::Text { wide, length } => Shape::Text { wide, length },
+            Type::Wrong => MemoryLayout::Address,
+            Type::Elementary(ty) => MemoryLayout::Elementary(ty),
+            Type::Text { wide, length } => MemoryLayout::Text { wide, length },
             Type::Enumeration(place) => match self.enumerations.get(place as usize) {
-                Some(e) => Shape::Enumeration {
+                Some(e) => MemoryLayout::Enumeration {
                     name: e.name.clone(),
                     base: e.base,
                     values: e.values.iter().map(|(_, name, cell)| (name.clone(), *cell)).collect(),
                 },
-                None => Shape::Address,
+                None => MemoryLayout::Address,
             },
-            Type::Subrange { base, low, high } => Shape::Subrange { base, low, high },
+            Type::Subrange { base, low, high } => MemoryLayout::Subrange { base, low, high },
             Type::Array { dimensions, of } => {
                 let stride = stride(self.layout(of));
                 let of = self.shape(of);
-                Shape::Array { dimensions, of, stride }
+                MemoryLayout::Array { dimensions, of, stride }
             }
             Type::Structure(place) => {
                 let structure = self.structures.get(place as usize).cloned().unwrap_or_default();
@@ -328,12 +328,12 @@ impl Sema<'_> {
                         shape: self.shape(field.ty),
                     })
                     .collect();
-                Shape::Members { name: structure.name, members, size: structure.size, block: false }
+                MemoryLayout::Members { name: structure.name, members, size: structure.size, block: false }
             }
             Type::Block(place) => {
                 let name = self.type_name(id);
                 let members = self.instance_members(place);
-                Shape::Members { name, members, size: self.layout(id).size, block: true }
+                MemoryLayout::Members { name, members, size: self.layout(id).size, block: true }
             }
             Type::Native(place) => {
                 let mut members = Vec::new();
@@ -352,13 +352,18 @@ impl Sema<'_> {
                         }
                     }
                 }
-                Shape::Members { name: self.type_name(id), members, size: self.layout(id).size, block: true }
+                MemoryLayout::Members {
+                    name: self.type_name(id),
+                    members,
+                    size: self.layout(id).size,
+                    block: true,
+                }
             }
             Type::Pointer(_)
             | Type::RefTo(_)
             | Type::Reference(_)
             | Type::Interface(_)
-            | Type::Open { .. } => Shape::Address,
+            | Type::Open { .. } => MemoryLayout::Address,
         };
         let place = ShapeId(self.shapes.len() as u32);
         self.shapes.push(shape);

@@ -3,7 +3,7 @@
 //! in which every line has the number that it has in the file.
 
 use super::SourceFault;
-use super::xml::{Event, read};
+use super::xml::{XmlEvent, read};
 use crate::parse::first_word;
 
 /// Elements that have a declaration of their own.
@@ -58,19 +58,19 @@ struct Taken<'t> {
 }
 
 impl<'t> Taken<'t> {
-    fn take(&mut self, event: Event<'t>, at: usize) -> Result<(), SourceFault> {
+    fn take(&mut self, event: XmlEvent<'t>, at: usize) -> Result<(), SourceFault> {
         match event {
-            Event::Break => {
+            XmlEvent::Break => {
                 self.text.push('\n');
                 self.flush();
             }
-            Event::Text(text) => match self.open.last().copied() {
+            XmlEvent::Text(text) => match self.open.last().copied() {
                 Some("Declaration") if self.is_first_declaration() => self.declaration(&text, at),
                 Some("ST") => self.content(&text, at),
                 // Of no interest: only its lines count.
                 _ => self.text.extend(text.chars().filter(|c| *c == '\n')),
             },
-            Event::Open(name, given) => {
+            XmlEvent::Open(name, given) => {
                 let name = match (name, self.open.last()) {
                     // Marks of text around text.
                     ("xhtml" | "p", Some(last)) => last,
@@ -82,7 +82,7 @@ impl<'t> Taken<'t> {
                     self.declared.push(false);
                 }
             }
-            Event::Close(name) => {
+            XmlEvent::Close(name) => {
                 let name = known(name);
                 self.open.pop();
                 if OWNERS.contains(&name) {

@@ -4,7 +4,7 @@ use super::SourceFault;
 
 /// A piece of a document, in order.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Event<'t> {
+pub(super) enum XmlEvent<'t> {
     /// The name of the element and its `Name` or `name`.
     Open(&'t str, &'t str),
     Close(&'t str),
@@ -20,7 +20,7 @@ const DEPTH: usize = 100;
 /// Reads a document and gives its pieces to `take`, each with its place and the characters before it in its line.
 pub(super) fn read<'t>(
     text: &'t str,
-    mut take: impl FnMut(Event<'t>, usize) -> Result<(), SourceFault>,
+    mut take: impl FnMut(XmlEvent<'t>, usize) -> Result<(), SourceFault>,
 ) -> Result<(), SourceFault> {
     let mut open: Vec<&str> = Vec::new();
     let mut at = 0;
@@ -28,7 +28,7 @@ pub(super) fn read<'t>(
         let start = at;
         if let Some(body) = rest.strip_prefix("<![CDATA[") {
             let end = body.find("]]>").ok_or(SourceFault::new(start, "CDATA is not closed"))?;
-            take(Event::Text(body.get(..end).unwrap_or("").to_owned()), start + 9)?;
+            take(XmlEvent::Text(body.get(..end).unwrap_or("").to_owned()), start + 9)?;
             at += 9 + end + 3;
         } else if rest.starts_with("<!--") || rest.starts_with("<?") || rest.starts_with("<!") {
             let close = if rest.starts_with("<!--") { "-->" } else { ">" };
@@ -45,14 +45,14 @@ pub(super) fn read<'t>(
                 if open.pop() != Some(name) {
                     return Err(SourceFault::new(start, "this tag closes nothing"));
                 }
-                take(Event::Close(name), start)?;
+                take(XmlEvent::Close(name), start)?;
                 continue;
             }
             let (body, empty) = tag.strip_suffix('/').map_or((tag, false), |body| (body, true));
             let name = local(body.split_ascii_whitespace().next().unwrap_or(""));
-            take(Event::Open(name, attribute(body)), start)?;
+            take(XmlEvent::Open(name, attribute(body)), start)?;
             if empty {
-                take(Event::Close(name), start)?;
+                take(XmlEvent::Close(name), start)?;
             } else {
                 open.push(name);
             }
@@ -66,7 +66,7 @@ pub(super) fn read<'t>(
             if body.trim().is_empty() {
                 breaks(text, start, at, &mut take)?;
             } else {
-                take(Event::Text(unescaped(body)), start)?;
+                take(XmlEvent::Text(unescaped(body)), start)?;
             }
         }
     }
@@ -78,10 +78,10 @@ fn breaks<'t>(
     text: &str,
     from: usize,
     to: usize,
-    take: &mut impl FnMut(Event<'t>, usize) -> Result<(), SourceFault>,
+    take: &mut impl FnMut(XmlEvent<'t>, usize) -> Result<(), SourceFault>,
 ) -> Result<(), SourceFault> {
     let skipped = text.get(from..to).unwrap_or("");
-    skipped.match_indices('\n').try_for_each(|(at, _)| take(Event::Break, from + at))
+    skipped.match_indices('\n').try_for_each(|(at, _)| take(XmlEvent::Break, from + at))
 }
 
 /// Where `>` closes a tag, past what stands in quotes.

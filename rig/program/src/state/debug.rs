@@ -1,6 +1,6 @@
 //! Marks on the code for breakpoints, single step and coverage.
 
-use super::Task;
+use super::TaskState;
 use crate::code::Op;
 use crate::program::Program;
 
@@ -25,13 +25,13 @@ pub(crate) struct Debug {
 
 impl Debug {
     /// Whether a slice of this task needs the slower variant.
-    pub fn active(&self, task: &Task) -> bool {
+    pub fn active(&self, task: &TaskState) -> bool {
         self.coverage || self.breakpoints || task.stepping || task.stopped
     }
 
     /// Whether the task stops before this operation.
     #[inline]
-    pub fn stops(&self, pc: usize, task: &mut Task) -> bool {
+    pub fn stops(&self, pc: usize, task: &mut TaskState) -> bool {
         let mark = self.marks.get(pc).copied().unwrap_or(0);
         if mark & STATEMENT == 0 || task.stopped || (mark & BREAK == 0 && !task.stepping) {
             return false;
@@ -43,7 +43,7 @@ impl Debug {
 
     /// An operation runs.
     #[inline]
-    pub fn begin(&mut self, pc: usize, task: &mut Task) {
+    pub fn begin(&mut self, pc: usize, task: &mut TaskState) {
         task.stopped = false;
         if let (true, Some(mark)) = (self.coverage, self.marks.get_mut(pc)) {
             *mark |= RUN;

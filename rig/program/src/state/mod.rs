@@ -5,7 +5,7 @@ mod task;
 
 pub(crate) use debug::Debug;
 pub use debug::{BranchCoverage, Coverage, StatementCoverage};
-pub(crate) use task::{Registers, ServiceCall, Task};
+pub(crate) use task::{ServiceCall, TaskRegisters, TaskState};
 
 use crate::code::{LibraryArgument, map};
 use crate::native::Native;

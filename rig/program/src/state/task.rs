@@ -1,7 +1,7 @@
 //! Tasks: programs in order, a stack, and where they stand between two slices.
 
 use super::MachineError;
-use crate::code::{Unit, map};
+use crate::code::{CodeUnit, map};
 use crate::library::Service;
 use crate::program::Program;
 
@@ -11,7 +11,7 @@ const CIRCLE_CALLS: usize = 1000;
 
 /// Registers that survive a slice.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Registers {
+pub(crate) struct TaskRegisters {
     pub pc: u32,
     /// Address of the running unit's instance.
     pub this: u32,
@@ -32,14 +32,14 @@ pub(crate) struct ServiceCall {
 
 /// A task between two slices.
 #[derive(Clone, Debug)]
-pub(crate) struct Task {
+pub(crate) struct TaskState {
     /// Units of its programs, in order.
     pub programs: Vec<u16>,
     /// The program that runs; beyond the end the task is idle.
     pub position: usize,
-    pub registers: Registers,
+    pub registers: TaskRegisters,
     /// Callers, innermost last: never more than `depth`, for which there is room.
-    pub callers: Vec<Registers>,
+    pub callers: Vec<TaskRegisters>,
     pub depth: usize,
     /// The stack in the machine's memory.
     pub start: u32,
@@ -52,9 +52,9 @@ pub(crate) struct Task {
     pub asks: Option<ServiceCall>,
 }
 
-impl Task {
+impl TaskState {
     /// A task whose stack starts at `start`.
-    pub fn new(program: &Program, programs: Vec<u16>, start: usize) -> Result<Task, MachineError> {
+    pub fn new(program: &Program, programs: Vec<u16>, start: usize) -> Result<TaskState, MachineError> {
         let needs = needs(&program.units);
         let (mut bytes, mut calls) = (0, 0);
         for unit in &programs {
@@ -68,10 +68,10 @@ impl Task {
         if end > map::OWN_END as usize {
             return Err(MachineError::Memory { bytes: end });
         }
-        Ok(Task {
+        Ok(TaskState {
             position: programs.len(),
             programs,
-            registers: Registers::default(),
+            registers: TaskRegisters::default(),
             callers: Vec::with_capacity(calls),
             depth: calls,
             start: start as u32,
@@ -92,7 +92,7 @@ impl Task {
         self.callers.clear();
         let Some(place) = self.programs.get(self.position) else { return false };
         let Some(unit) = program.units.get(usize::from(*place)) else { return false };
-        self.registers = Registers { pc: unit.entry, this: 0, base: self.start, unit: *place };
+        self.registers = TaskRegisters { pc: unit.entry, this: 0, base: self.start, unit: *place };
         let start = self.start as usize;
         if let Some(frame) = memory.get_mut(start..start + unit.template.len()) {
             frame.copy_from_slice(&unit.template);
@@ -102,7 +102,7 @@ impl Task {
 }
 
 /// Bytes of frames and calls that each unit needs with all that it calls; `None` for what calls in circles.
-fn needs(units: &[Unit]) -> Vec<Option<(usize, usize)>> {
+fn needs(units: &[CodeUnit]) -> Vec<Option<(usize, usize)>> {
     let mut needs: Vec<Option<(usize, usize)>> = vec![None; units.len()];
     let mut waiting: Vec<usize> = vec![0; units.len()];
     let mut callers: Vec<Vec<usize>> = vec![Vec::new(); units.len()];

@@ -3,10 +3,10 @@
 
 use super::{Board, Builder, at, cycle, done};
 use crate::code::Op::*;
-use crate::host::Stop;
+use crate::host::StopReason;
 use crate::machine::{ChangeError, ChangeReport, Machine};
 use crate::program::{Program, Retention, Storage};
-use crate::shape::{Member, Shape, ShapeId};
+use crate::shape::{Member, MemoryLayout, ShapeId};
 use crate::state::{BranchCoverage, StatementCoverage};
 use crate::types::Elementary::{Bool, Dint, Int, Lint};
 use signal::{Span, Time, Value};
@@ -111,10 +111,10 @@ fn forces_hold_at_both_ends_of_a_cycle() {
     machine.begin(0);
     // In the middle the program has its way.
     let slice = machine.resume(0, Time::ZERO, Span::from_nanos(30), &mut Board::default());
-    assert!(matches!(slice.stop, Stop::Budget { .. }));
+    assert!(matches!(slice.stop, StopReason::Budget { .. }));
     assert_eq!(machine.read(n), Value::Int(101));
     let slice = machine.resume(0, Time::ZERO, Span::from_nanos(30), &mut Board::default());
-    assert_eq!((slice.stop, machine.read(n)), (Stop::Done, Value::Int(100)));
+    assert_eq!((slice.stop, machine.read(n)), (StopReason::Done, Value::Int(100)));
     assert!(machine.write(n, Value::Int(5)));
     machine.begin(0);
     assert_eq!(machine.read(n), Value::Int(100));
@@ -177,24 +177,24 @@ fn breakpoints_and_single_steps() {
         (slice.stop, slice.used.as_nanos())
     };
     machine.begin(0);
-    assert_eq!(go(&mut machine, 1000), (Stop::Break, 10));
+    assert_eq!(go(&mut machine, 1000), (StopReason::Break, 10));
     assert_eq!(machine.read(machine.find("n").unwrap()), Value::Int(0));
     // It goes on, even in slices that are too short.
-    assert_eq!(go(&mut machine, 5), (Stop::Budget { next: Span::from_nanos(10) }, 0));
-    assert_eq!(go(&mut machine, 10), (Stop::Budget { next: Span::from_nanos(10) }, 10));
-    assert_eq!(go(&mut machine, 1000), (Stop::Done, 20));
+    assert_eq!(go(&mut machine, 5), (StopReason::Budget { next: Span::from_nanos(10) }, 0));
+    assert_eq!(go(&mut machine, 10), (StopReason::Budget { next: Span::from_nanos(10) }, 10));
+    assert_eq!(go(&mut machine, 1000), (StopReason::Done, 20));
     machine.clear_breakpoints();
     machine.begin(0);
     for used in [0, 10, 10] {
         machine.step(0);
-        assert_eq!(go(&mut machine, 1000), (Stop::Break, used));
+        assert_eq!(go(&mut machine, 1000), (StopReason::Break, used));
     }
     machine.step(0);
-    assert_eq!(go(&mut machine, 1000), (Stop::Done, 20));
+    assert_eq!(go(&mut machine, 1000), (StopReason::Done, 20));
     // A step that meets no statement waits for the next cycle.
     machine.begin(0);
-    assert_eq!(go(&mut machine, 1000), (Stop::Break, 0));
-    assert_eq!(go(&mut machine, 1000), (Stop::Done, 30));
+    assert_eq!(go(&mut machine, 1000), (StopReason::Break, 0));
+    assert_eq!(go(&mut machine, 1000), (StopReason::Done, 30));
 }
 
 /// A block with a counter and a running timer, an array, and a plain variable, at places that depend on `shift`.
@@ -206,13 +206,17 @@ fn changing(shift: u32, members: &[&str], bounds: (i64, i64)) -> Arc<Program> {
     if shift > 0 {
         build.variable(&vec![0; shift as usize]);
     }
-    let dint = build.shape(Shape::Elementary(Dint));
-    let lint = build.shape(Shape::Elementary(Lint));
-    let address = build.shape(Shape::Address);
+    let dint = build.shape(MemoryLayout::Elementary(Dint));
+    let lint = build.shape(MemoryLayout::Elementary(Lint));
+    let address = build.shape(MemoryLayout::Address);
     // Only IN shows here.
     let pins = vec![Member { name: "IN".into(), offset: u32::from(offsets[0]), shape: dint }];
-    let timer =
-        build.shape(Shape::Members { name: "TON".into(), members: pins, size: timer_size, block: true });
+    let timer = build.shape(MemoryLayout::Members {
+        name: "TON".into(),
+        members: pins,
+        size: timer_size,
+        block: true,
+    });
     let mut list = Vec::new();
     let mut size = 8;
     for name in members {
@@ -227,10 +231,10 @@ fn changing(shift: u32, members: &[&str], bounds: (i64, i64)) -> Arc<Program> {
         size += bytes;
     }
     let block = build.variable(&vec![0; size as usize]);
-    build.root("fb", Shape::Members { name: "FB".into(), members: list, size, block: true }, block);
+    build.root("fb", MemoryLayout::Members { name: "FB".into(), members: list, size, block: true }, block);
     let count = (bounds.1 - bounds.0 + 1) as u32;
     let array = build.variable(&vec![0; (4 * count) as usize]);
-    build.root("a", Shape::Array { dimensions: vec![bounds], of: dint, stride: 4 }, array);
+    build.root("a", MemoryLayout::Array { dimensions: vec![bounds], of: dint, stride: 4 }, array);
     build.program("MAIN", &[]);
     build.op(Return, 0, 0, 0);
     build.finish()
@@ -257,7 +261,7 @@ fn an_online_change_keeps_values_by_path_and_type() {
     // In the middle of a cycle it is refused.
     machine.begin(0);
     assert_eq!(machine.change(old, &[vec![0]]), Err(ChangeError::Busy { task: 0 }));
-    assert_eq!(cycle(&mut machine, &mut Board::default()).stop, Stop::Done);
+    assert_eq!(cycle(&mut machine, &mut Board::default()).stop, StopReason::Done);
     let new = changing(24, &["more", "t", "n", "p"], (0, 9));
     let report = machine.change(new, &[vec![0]]).unwrap();
     // Kept: n, t.IN, a; lost: p and `gone`; new: p and `more`.
@@ -278,9 +282,9 @@ fn an_online_change_keeps_values_by_path_and_type() {
 #[test]
 fn paths_lead_to_variables() {
     let mut build = Builder::default();
-    let int = build.shape(Shape::Elementary(Int));
-    let row = build.shape(Shape::Array { dimensions: vec![(0, 2), (-1, 1)], of: int, stride: 2 });
-    let point = build.shape(Shape::Members {
+    let int = build.shape(MemoryLayout::Elementary(Int));
+    let row = build.shape(MemoryLayout::Array { dimensions: vec![(0, 2), (-1, 1)], of: int, stride: 2 });
+    let point = build.shape(MemoryLayout::Members {
         name: "POINT".into(),
         members: vec![
             Member { name: "x".into(), offset: 0, shape: int },
@@ -289,7 +293,7 @@ fn paths_lead_to_variables() {
         size: 20,
         block: false,
     });
-    let points = Shape::Array { dimensions: vec![(1, 3)], of: point, stride: 20 };
+    let points = MemoryLayout::Array { dimensions: vec![(1, 3)], of: point, stride: 20 };
     let points = build.shape(points);
     let both = [("P", 0), ("Q", 0)];
     for (name, _) in both {
@@ -298,10 +302,14 @@ fn paths_lead_to_variables() {
             Member { name: format!("only{name}"), offset: 60, shape: int },
         ];
         let address = build.variable(&[0; 64]);
-        build.root(name, Shape::Members { name: name.into(), members, size: 62, block: true }, address);
+        build.root(
+            name,
+            MemoryLayout::Members { name: name.into(), members, size: 62, block: true },
+            address,
+        );
         build.program(name, &[]);
     }
-    build.root("P.lamp", Shape::Elementary(Bool), 0x2000_0001);
+    build.root("P.lamp", MemoryLayout::Elementary(Bool), 0x2000_0001);
     build.program.roots.last_mut().unwrap().bit = 3;
     let program = build.finish();
     let at = |path: &str| program.resolve(path).map(|variable| variable.address());

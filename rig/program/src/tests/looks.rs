@@ -4,7 +4,7 @@ use super::{Board, Builder, at, frame};
 use crate::code::{Op::*, Operand, TextAt, TextPair};
 use crate::machine::Machine;
 use crate::set::SetError;
-use crate::shape::{Member, Shape};
+use crate::shape::{Member, MemoryLayout};
 use crate::types::Elementary::{self, *};
 
 fn machine() -> Machine {
@@ -12,18 +12,18 @@ fn machine() -> Machine {
     for ty in Elementary::ALL {
         build.global(ty.name(), ty, 0);
     }
-    let byte = build.shape(Shape::Elementary(Byte));
-    let colour = Shape::Enumeration {
+    let byte = build.shape(MemoryLayout::Elementary(Byte));
+    let colour = MemoryLayout::Enumeration {
         name: "COLOUR".into(),
         base: Int,
         values: vec![("red".into(), 1), ("Green".into(), -5)],
     };
     let colour = build.shape(colour);
-    let percent = build.shape(Shape::Subrange { base: Usint, low: 10, high: 100 });
-    let text = build.shape(Shape::Text { wide: false, length: 5 });
-    let wide = build.shape(Shape::Text { wide: true, length: 3 });
-    let list = build.shape(Shape::Array { dimensions: vec![(1, 3)], of: byte, stride: 1 });
-    let pointer = build.shape(Shape::Address);
+    let percent = build.shape(MemoryLayout::Subrange { base: Usint, low: 10, high: 100 });
+    let text = build.shape(MemoryLayout::Text { wide: false, length: 5 });
+    let wide = build.shape(MemoryLayout::Text { wide: true, length: 3 });
+    let list = build.shape(MemoryLayout::Array { dimensions: vec![(1, 3)], of: byte, stride: 1 });
+    let pointer = build.shape(MemoryLayout::Address);
     let shapes = [
         ("c", 0, colour),
         ("p", 2, percent),
@@ -36,10 +36,10 @@ fn machine() -> Machine {
     let address = build.variable(&[0; 32]);
     build.root(
         "s",
-        Shape::Members { name: "S".into(), members: members.into(), size: 28, block: false },
+        MemoryLayout::Members { name: "S".into(), members: members.into(), size: 28, block: false },
         address,
     );
-    build.root("%q", Shape::Array { dimensions: vec![(0, 1)], of: byte, stride: 1 }, 0x2000_0002);
+    build.root("%q", MemoryLayout::Array { dimensions: vec![(0, 1)], of: byte, stride: 1 }, 0x2000_0002);
     build.machine()
 }
 
@@ -129,9 +129,9 @@ fn a_listing_names_operands() {
     let text = build.constant(b"hi\0");
     let seven = build.constant(&7i32.to_le_bytes());
     let n = build.global("n", Dint, 0);
-    let int = build.shape(Shape::Elementary(Int));
+    let int = build.shape(MemoryLayout::Elementary(Int));
     let list = build.variable(&[0; 8]);
-    build.root("a", Shape::Array { dimensions: vec![(1, 4)], of: int, stride: 2 }, list);
+    build.root("a", MemoryLayout::Array { dimensions: vec![(1, 4)], of: int, stride: 2 }, list);
     let line = TextAt { at: Operand(at(text)), bytes: 3, wide: false };
     build.program.texts.push(TextPair { to: TextAt { at: Operand(frame(8)), ..line }, of: line });
     build.program("MAIN", &[1]);

@@ -7,11 +7,11 @@ mod random;
 mod slices;
 
 use crate::assemble::finish;
-use crate::code::{AddressBase, Op, Operand, Statement, Step, Unit, map};
-use crate::host::{Host, Slice, Stop};
+use crate::code::{AddressBase, CodeStep, CodeUnit, Op, Operand, Statement, map};
+use crate::host::{Host, MachineSlice, StopReason};
 use crate::machine::Machine;
 use crate::program::{Program, Retained, Retention};
-use crate::shape::{Root, Shape, ShapeId};
+use crate::shape::{MemoryLayout, Root, ShapeId};
 use crate::types::Elementary;
 use signal::{Address, AddressLimits, Area, Image, Span, Time};
 use std::sync::Arc;
@@ -108,12 +108,12 @@ impl Builder {
         at
     }
 
-    pub fn shape(&mut self, shape: Shape) -> ShapeId {
+    pub fn shape(&mut self, shape: MemoryLayout) -> ShapeId {
         self.program.shapes.push(shape);
         ShapeId(self.program.shapes.len() as u32 - 1)
     }
 
-    pub fn root(&mut self, path: &str, shape: Shape, address: u32) {
+    pub fn root(&mut self, path: &str, shape: MemoryLayout, address: u32) {
         let shape = self.shape(shape);
         self.program.roots.push(Root { path: path.into(), shape, address, bit: 0, file: 0 });
     }
@@ -121,7 +121,7 @@ impl Builder {
     /// A global variable with a name.
     pub fn global(&mut self, name: &str, ty: Elementary, value: i64) -> u32 {
         let address = self.variable(&value.to_le_bytes()[..ty.bytes()]);
-        self.root(name, Shape::Elementary(ty), address);
+        self.root(name, MemoryLayout::Elementary(ty), address);
         address
     }
 
@@ -132,7 +132,7 @@ impl Builder {
     /// Starts a unit.
     pub fn unit(&mut self, frame: u32, template: &[u8], calls: &[u16]) -> u16 {
         let program = &mut self.program;
-        program.units.push(Unit {
+        program.units.push(CodeUnit {
             name: format!("U{}", program.units.len()),
             file: 0,
             entry: program.code.len() as u32,
@@ -159,7 +159,7 @@ impl Builder {
     /// An operation that costs 10 ns; each is a line.
     pub fn op(&mut self, op: Op, a: u32, b: u32, c: u32) -> u32 {
         let pc = self.pc();
-        self.program.code.push(Step { op, a, b, c, cost: 10 });
+        self.program.code.push(CodeStep { op, a, b, c, cost: 10 });
         self.program.lines.push(pc + 1);
         pc
     }
@@ -229,11 +229,11 @@ impl Host for Board {
 }
 
 /// One cycle in one slice.
-pub fn cycle(machine: &mut Machine, board: &mut Board) -> Slice {
+pub fn cycle(machine: &mut Machine, board: &mut Board) -> MachineSlice {
     machine.begin(0);
     machine.resume(0, Time::ZERO, Span::from_secs(1), board)
 }
 
 pub fn done(machine: &mut Machine) {
-    assert_eq!(cycle(machine, &mut Board::default()).stop, Stop::Done);
+    assert_eq!(cycle(machine, &mut Board::default()).stop, StopReason::Done);
 }

@@ -2,7 +2,7 @@
 
 use super::{Board, Builder, at, cycle};
 use crate::code::Op::{self, *};
-use crate::host::{FaultKind, Stop};
+use crate::host::{ProgramFaultKind, StopReason};
 use proptest::prelude::*;
 
 /// A whole number type: bits, signed.
@@ -22,7 +22,7 @@ fn cut((bits, _): Whole, n: i128) -> u64 {
 }
 
 /// What a program of one operation gives: the destination's 8 bytes, of which the operation wrote some, over 0xA5.
-fn result(op: Op, b: u64, c: u64) -> Result<u64, FaultKind> {
+fn result(op: Op, b: u64, c: u64) -> Result<u64, ProgramFaultKind> {
     let mut build = Builder::default();
     let to = build.variable(&[0xA5; 8]);
     let first = build.variable(&b.to_le_bytes());
@@ -32,14 +32,14 @@ fn result(op: Op, b: u64, c: u64) -> Result<u64, FaultKind> {
     build.op(Return, 0, 0, 0);
     let mut machine = build.machine();
     match cycle(&mut machine, &mut Board::default()).stop {
-        Stop::Done => {
+        StopReason::Done => {
             let bytes = machine.memory()[to as usize..].first_chunk().unwrap();
             // The operands stay as they are.
             assert_eq!(machine.memory()[first as usize..][..8], b.to_le_bytes());
             assert_eq!(machine.memory()[second as usize..][..8], c.to_le_bytes());
             Ok(u64::from_le_bytes(*bytes))
         }
-        Stop::Fault(fault) => {
+        StopReason::Fault(fault) => {
             assert_eq!(fault.line, 1);
             Err(fault.kind)
         }
@@ -65,7 +65,7 @@ fn jumps(op: Op, b: u64, c: u64) -> bool {
     build.op(Move8, at(seen), at(one), 0);
     build.op(Return, 0, 0, 0);
     let mut machine = build.machine();
-    assert_eq!(cycle(&mut machine, &mut Board::default()).stop, Stop::Done);
+    assert_eq!(cycle(&mut machine, &mut Board::default()).stop, StopReason::Done);
     machine.memory()[seen as usize] == 0
 }
 
@@ -150,7 +150,7 @@ proptest! {
             for (op, ty) in ops.into_iter().zip(IU) {
                 let (n, d) = (read(ty, b), read(ty, c));
                 let expected = if d == 0 {
-                    Err(FaultKind::DivisionByZero)
+                    Err(ProgramFaultKind::DivisionByZero)
                 } else {
                     Ok(written(ty.0, cut(ty, oracle(n, d))))
                 };
@@ -328,7 +328,7 @@ fn turn(op: Op, b: u64, c: u64) -> (bool, u64) {
     build.op(Move8, at(seen), at(one), 0);
     build.op(Return, 0, 0, 0);
     let mut machine = build.machine();
-    assert_eq!(cycle(&mut machine, &mut Board::default()).stop, Stop::Done);
+    assert_eq!(cycle(&mut machine, &mut Board::default()).stop, StopReason::Done);
     let value = u64::from_le_bytes(*machine.memory()[variable as usize..].first_chunk().unwrap());
     (machine.memory()[seen as usize] == 0, value)
 }

@@ -2,10 +2,10 @@
 
 use super::{Board, Builder, at, frame, this, via};
 use crate::code::{
-    IndexOf, LibraryArgument, LibraryCall, LibraryCode, ObjectClass, Op, Operand, Statement, Step, TextAt,
-    TextPair,
+    CodeStep, IndexOf, LibraryArgument, LibraryCall, LibraryCode, ObjectClass, Op, Operand, Statement,
+    TextAt, TextPair,
 };
-use crate::host::Stop;
+use crate::host::StopReason;
 use crate::machine::Machine;
 use crate::program::{Program, Retention};
 use crate::types::Elementary;
@@ -51,9 +51,9 @@ fn field() -> impl Strategy<Value = u32> {
     ]
 }
 
-fn step() -> impl Strategy<Value = Step> {
+fn step() -> impl Strategy<Value = CodeStep> {
     let fields = (field(), field(), field(), 0u32..3);
-    (prop::sample::select(operations()), fields).prop_map(|(op, (a, b, c, cost))| Step {
+    (prop::sample::select(operations()), fields).prop_map(|(op, (a, b, c, cost))| CodeStep {
         op,
         a,
         b,
@@ -104,7 +104,7 @@ prop_compose! {
         let mut build = Builder::default();
         build.constant(&memory[..32]);
         let variables = build.variable(&memory[32..]);
-        build.root("TEXT", crate::shape::Shape::Text { wide: false, length: 20 }, variables);
+        build.root("TEXT", crate::shape::MemoryLayout::Text { wide: false, length: 20 }, variables);
         build.retain(variables + 3, 9, Retention::Retain);
         build.program("MAIN", &[1, 2, 3]);
         for (entry, frame, calls) in units {
@@ -142,8 +142,8 @@ proptest! {
                 let slice = machine.resume(task, Time::ZERO, left, &mut board);
                 left = left - slice.used;
                 match slice.stop {
-                    Stop::Touched => {}
-                    Stop::Break => panic!("there is no breakpoint"),
+                    StopReason::Touched => {}
+                    StopReason::Break => panic!("there is no breakpoint"),
                     _ => break,
                 }
             }

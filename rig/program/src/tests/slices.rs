@@ -2,7 +2,7 @@
 
 use super::{Board, Builder, at, cycle, done, frame, this, via};
 use crate::code::{IndexOf, ObjectClass, Op::*, Operand, TextAt, TextPair};
-use crate::host::{Fault, FaultKind, Stop};
+use crate::host::{ProgramFault, ProgramFaultKind, StopReason};
 use crate::machine::Machine;
 use crate::program::VarRef;
 use crate::types::Elementary::{Bool, Byte, Dint, Int, Lint, Real};
@@ -41,7 +41,7 @@ fn a_sample_computes() {
     for round in 1..4 {
         let slice = cycle(&mut machine, &mut Board::default());
         // Ten turns of eight operations between two others.
-        assert_eq!((slice.stop, slice.used), (Stop::Done, Span::from_nanos(10 * (1 + 10 * 8 + 1))));
+        assert_eq!((slice.stop, slice.used), (StopReason::Done, Span::from_nanos(10 * (1 + 10 * 8 + 1))));
         for n in 0..10u32 {
             assert_eq!(machine.read(VarRef::new(array + 4 * n, Dint)), Value::Int(i64::from(2 * n * round)));
         }
@@ -62,14 +62,14 @@ proptest! {
             prop_assert!(slice.used.as_nanos() <= budget);
             used = used + slice.used;
             match slice.stop {
-                Stop::Budget { next } => prop_assert!(slice.used.as_nanos() + next.as_nanos() > budget),
+                StopReason::Budget { next } => prop_assert!(slice.used.as_nanos() + next.as_nanos() > budget),
                 other => {
                     stop = Some(other);
                     break;
                 }
             }
         }
-        prop_assert_eq!((used, stop), (expected.used, Some(Stop::Done)));
+        prop_assert_eq!((used, stop), (expected.used, Some(StopReason::Done)));
         // Temporaries that nobody reads any more may differ.
         let variables = cut.program().image.len();
         prop_assert_eq!(cut.memory().get(..variables), whole.memory().get(..variables));
@@ -84,8 +84,8 @@ fn touches(machine: &mut Machine, board: &mut Board) -> Vec<i64> {
         let slice = machine.resume(0, now, Span::from_secs(1), board);
         now = now.saturating_add(slice.used);
         match slice.stop {
-            Stop::Touched => times.push(now.as_nanos()),
-            Stop::Done => return times,
+            StopReason::Touched => times.push(now.as_nanos()),
+            StopReason::Done => return times,
             stop => panic!("{stop:?}"),
         }
     }
@@ -169,24 +169,24 @@ fn native_blocks_touch_and_take_the_time_of_their_end() {
     machine.watch(pin("Q"));
     let mut board = Board::default();
     machine.begin(0);
-    assert_eq!(machine.resume(0, Time::ZERO, Span::from_secs(1), &mut board).stop, Stop::Done);
+    assert_eq!(machine.resume(0, Time::ZERO, Span::from_secs(1), &mut board).stop, StopReason::Done);
     // The call completes at 30 ns; 2 ms later it has run for PT.
-    for (start, stop) in [(2_000_000 - 1, Stop::Done), (2_000_000, Stop::Touched)] {
+    for (start, stop) in [(2_000_000 - 1, StopReason::Done), (2_000_000, StopReason::Touched)] {
         machine.begin(0);
         let slice = machine.resume(0, Time::from_nanos(start), Span::from_secs(1), &mut board);
         assert_eq!(slice.stop, stop, "{start}");
-        assert_eq!(machine.read(pin("Q")), Value::Bool(stop == Stop::Touched));
+        assert_eq!(machine.read(pin("Q")), Value::Bool(stop == StopReason::Touched));
     }
 }
 
 /// The fault of a program of a few operations.
-fn fault(build: Builder) -> Fault {
+fn fault(build: Builder) -> ProgramFault {
     let mut machine = build.machine();
     match cycle(&mut machine, &mut Board::default()).stop {
-        Stop::Fault(fault) => {
+        StopReason::Fault(fault) => {
             // The cycle is over.
             let slice = machine.resume(0, Time::ZERO, Span::from_secs(1), &mut Board::default());
-            assert_eq!((slice.stop, slice.used), (Stop::Done, Span::ZERO));
+            assert_eq!((slice.stop, slice.used), (StopReason::Done, Span::ZERO));
             fault
         }
         stop => panic!("{stop:?}"),
@@ -209,29 +209,29 @@ fn faults_name_kind_and_line() {
     };
     let (constant, variable) = (at(64), at(72));
     let cases = [
-        (small(DivI32, variable, constant, variable), FaultKind::DivisionByZero),
-        (small(IndexI8, frame(8), constant, 0), FaultKind::Bounds),
-        (small(IndexU64, frame(8), constant, 0), FaultKind::Bounds),
-        (small(IndexU64, frame(8), variable, 7), FaultKind::Internal),
+        (small(DivI32, variable, constant, variable), ProgramFaultKind::DivisionByZero),
+        (small(IndexI8, frame(8), constant, 0), ProgramFaultKind::Bounds),
+        (small(IndexU64, frame(8), constant, 0), ProgramFaultKind::Bounds),
+        (small(IndexU64, frame(8), variable, 7), ProgramFaultKind::Internal),
         // Constants are not written, nor what lies below them.
-        (small(Move8, constant, variable, 0), FaultKind::BadReference),
-        (small(Move64, at(60), variable, 0), FaultKind::BadReference),
-        (small(Copy, constant, variable, 4), FaultKind::BadReference),
+        (small(Move8, constant, variable, 0), ProgramFaultKind::BadReference),
+        (small(Move64, at(60), variable, 0), ProgramFaultKind::BadReference),
+        (small(Copy, constant, variable, 4), ProgramFaultKind::BadReference),
         // 16#FFFF_FFFF leads nowhere.
-        (small(Move8, via(0), variable, 0), FaultKind::BadReference),
-        (small(Move8, variable, via(0), 0), FaultKind::BadReference),
-        (small(Copy, variable, via(0), 8), FaultKind::BadReference),
-        (small(CallThis, 0, via(0), 0), FaultKind::BadReference),
-        (small(CallVirtual, 0, frame(0), 0), FaultKind::BadReference),
-        (small(CallVirtual, 0, variable, 0), FaultKind::BadReference),
-        (small(IsKind, variable, frame(0), 0), FaultKind::BadReference),
+        (small(Move8, via(0), variable, 0), ProgramFaultKind::BadReference),
+        (small(Move8, variable, via(0), 0), ProgramFaultKind::BadReference),
+        (small(Copy, variable, via(0), 8), ProgramFaultKind::BadReference),
+        (small(CallThis, 0, via(0), 0), ProgramFaultKind::BadReference),
+        (small(CallVirtual, 0, frame(0), 0), ProgramFaultKind::BadReference),
+        (small(CallVirtual, 0, variable, 0), ProgramFaultKind::BadReference),
+        (small(IsKind, variable, frame(0), 0), ProgramFaultKind::BadReference),
         // Inputs are not written, and images have an end.
-        (small(Move8, at(0x1000_0000), variable, 0), FaultKind::BadReference),
-        (small(Move8, variable, at(0x1000_0008), 0), FaultKind::BadReference),
-        (small(Move64, variable, at(0x1000_0001), 0), FaultKind::BadReference),
-        (small(Move16, at(0x3000_00C7), variable, 0), FaultKind::BadReference),
-        (small(Call, 9, 0, 0), FaultKind::Internal),
-        (small(Jump, 1000, 0, 0), FaultKind::Internal),
+        (small(Move8, at(0x1000_0000), variable, 0), ProgramFaultKind::BadReference),
+        (small(Move8, variable, at(0x1000_0008), 0), ProgramFaultKind::BadReference),
+        (small(Move64, variable, at(0x1000_0001), 0), ProgramFaultKind::BadReference),
+        (small(Move16, at(0x3000_00C7), variable, 0), ProgramFaultKind::BadReference),
+        (small(Call, 9, 0, 0), ProgramFaultKind::Internal),
+        (small(Jump, 1000, 0, 0), ProgramFaultKind::Internal),
     ];
     for (nth, (fault, kind)) in cases.into_iter().enumerate() {
         assert_eq!((fault.kind, fault.file, fault.line), (kind, 0, 2), "case {nth}");
@@ -246,7 +246,7 @@ fn null_is_a_bad_reference() {
             build.program("MAIN", &[]);
             build.op(op, a, b, 0);
             build.op(Return, 0, 0, 0);
-            assert_eq!(fault(build).kind, FaultKind::BadReference);
+            assert_eq!(fault(build).kind, ProgramFaultKind::BadReference);
         }
     }
 }
@@ -266,8 +266,8 @@ fn recursion_ends_at_the_stack() {
         let call = build.op(Call, 1, 0, 0);
         build.op(Return, 0, 0, 0);
         let mut machine = build.machine();
-        let Stop::Fault(fault) = cycle(&mut machine, &mut Board::default()).stop else { panic!() };
-        assert_eq!((fault.kind, fault.line), (FaultKind::StackDepth, call + 1));
+        let StopReason::Fault(fault) = cycle(&mut machine, &mut Board::default()).stop else { panic!() };
+        assert_eq!((fault.kind, fault.line), (ProgramFaultKind::StackDepth, call + 1));
         let Value::Int(calls) = machine.read(machine.find("n").unwrap()) else { panic!() };
         assert!((calls - expected).abs() <= 1, "{calls}");
     }
@@ -381,7 +381,7 @@ fn the_images_in_every_width() {
     let mut machine = build.machine();
     let mut board = Board::default();
     board.set("%IX1.3", 1);
-    assert_eq!(cycle(&mut machine, &mut board).stop, Stop::Done);
+    assert_eq!(cycle(&mut machine, &mut board).stop, StopReason::Done);
     assert_eq!(board.get("%MD1"), 0x4433_2211);
     assert_eq!((board.get("%MW5"), board.get("%MW6")), (0x2211, 0x4433));
     let stored: Vec<String> =
@@ -408,7 +408,7 @@ fn the_images_in_every_width() {
     board.watched = Some(signal::Address::parse("%MX5.0").unwrap());
     machine.begin(0);
     let slice = machine.resume(0, Time::ZERO, Span::from_secs(1), &mut board);
-    assert_eq!((slice.stop, slice.used), (Stop::Touched, Span::from_nanos(10)));
+    assert_eq!((slice.stop, slice.used), (StopReason::Touched, Span::from_nanos(10)));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::tree::{E, S, V};
 use crate::support::oracle::{limits, width, wrap};
 use scanrig_program::Elementary::{self, *};
-use scanrig_program::FaultKind;
+use scanrig_program::ProgramFaultKind;
 use std::collections::BTreeMap;
 
 /// Load, store, operation and division (see `Costs::default`).
@@ -40,7 +40,7 @@ pub struct Walk {
     pub folds: bool,
 }
 
-type Result<T> = std::result::Result<T, FaultKind>;
+type Result<T> = std::result::Result<T, ProgramFaultKind>;
 
 fn whole(v: V) -> i128 {
     match v {
@@ -185,7 +185,7 @@ impl Walk {
                     "+" => apply(ty, a, b, |a, b| a + b, |a, b| a + b, |a, b| a + b),
                     "-" => apply(ty, a, b, |a, b| a - b, |a, b| a - b, |a, b| a - b),
                     "*" => apply(ty, a, b, |a, b| a.wrapping_mul(b), |a, b| a * b, |a, b| a * b),
-                    "/" | "MOD" if matches!(b, V::N(0)) => return Err(FaultKind::DivisionByZero),
+                    "/" | "MOD" if matches!(b, V::N(0)) => return Err(ProgramFaultKind::DivisionByZero),
                     "/" => apply(ty, a, b, |a, b| a / b, |a, b| a / b, |a, b| a / b),
                     "MOD" => V::N(wrap(whole(a) % whole(b), ty)),
                     "AND" => V::N(whole(a) & whole(b)),
@@ -310,7 +310,7 @@ impl Walk {
         if (-2..=2).contains(&place) {
             Ok(format!("a_{}[{place}]", ty.name()))
         } else {
-            Err(FaultKind::Bounds)
+            Err(ProgramFaultKind::Bounds)
         }
     }
 

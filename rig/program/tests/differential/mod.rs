@@ -7,7 +7,7 @@ mod tree;
 use crate::support::{Memory, sources};
 use evaluator::Walk;
 use proptest::prelude::*;
-use scanrig_program::{Machine, Options, Stop, compile};
+use scanrig_program::{Machine, Options, StopReason, compile};
 use signal::{Span, Time, Value};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -90,7 +90,7 @@ fn essence(text: &str) -> String {
 }
 
 /// One cycle in slices of these lengths by turns: how it ends, and the time it takes.
-fn cycle(machine: &mut Machine, slices: &[Span]) -> (Stop, Span) {
+fn cycle(machine: &mut Machine, slices: &[Span]) -> (StopReason, Span) {
     machine.begin(0);
     let mut used = Span::ZERO;
     let mut least = Span::ZERO;
@@ -100,12 +100,12 @@ fn cycle(machine: &mut Machine, slices: &[Span]) -> (Stop, Span) {
         used = used + slice.used;
         match slice.stop {
             // An operation longer than the slice has to be let through.
-            Stop::Budget { next } => least = next,
-            Stop::Touched => least = Span::ZERO,
+            StopReason::Budget { next } => least = next,
+            StopReason::Touched => least = Span::ZERO,
             stop => return (stop, used),
         }
     }
-    (Stop::Done, used)
+    (StopReason::Done, used)
 }
 
 fn check(seed: u64, depth: u32) {
@@ -154,8 +154,8 @@ fn check(seed: u64, depth: u32) {
             assert_eq!(found(&cut), found(&machine), "{name}\n{}", essence(&text));
         }
         let stop = match stop {
-            Stop::Done => Ok(()),
-            Stop::Fault(fault) => Err(fault.kind),
+            StopReason::Done => Ok(()),
+            StopReason::Fault(fault) => Err(fault.kind),
             other => panic!("{other:?}\n{}", essence(&text)),
         };
         assert_eq!(stop, end, "{}", essence(&text));

@@ -3,7 +3,7 @@
 pub mod oracle;
 
 use document::SourceFile;
-use scanrig_program::{Host, Machine, Options, Program, Slice, Stop, compile};
+use scanrig_program::{Host, Machine, MachineSlice, Options, Program, StopReason, compile};
 use signal::{Address, Area, Image, Span, Time, Value};
 use std::sync::Arc;
 
@@ -96,11 +96,11 @@ impl Rig {
     /// One whole cycle at the present time; the time it took. Time itself does not move.
     pub fn cycle(&mut self) -> Span {
         let slice = self.run();
-        assert_eq!(slice.stop, Stop::Done);
+        assert_eq!(slice.stop, StopReason::Done);
         slice.used
     }
 
-    pub fn run(&mut self) -> Slice {
+    pub fn run(&mut self) -> MachineSlice {
         self.machine.begin(0);
         self.machine.resume(0, self.now, Span::from_secs(1), &mut self.memory)
     }

@@ -2,7 +2,7 @@
 //! from the compiler or the machine but the names of the types.
 
 use super::sources;
-use scanrig_program::{Elementary, Elementary::*, Machine, Options, Stop, compile};
+use scanrig_program::{Elementary, Elementary::*, Machine, Options, StopReason, compile};
 use signal::{Span, Time as Instant, Value};
 use std::fmt::Write;
 use std::sync::Arc;
@@ -155,7 +155,7 @@ fn check_some(cases: &[Case], variables: u8) {
     }
     machine.begin(0);
     let stop = machine.resume(0, Instant::ZERO, Span::from_secs(1), &mut super::Memory::default()).stop;
-    assert_eq!(stop, Stop::Done);
+    assert_eq!(stop, StopReason::Done);
     let mut wrong = String::new();
     for (case, (path, expression)) in cases.iter().zip(places) {
         let found = machine.read(machine.find(&path).unwrap());

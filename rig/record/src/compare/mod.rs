@@ -28,7 +28,7 @@ impl Default for Thresholds {
 
 /// Something that was one text and is another; empty for nothing.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Change {
+pub struct TextChange {
     /// What.
     pub what: String,
     /// In the earlier run.
@@ -101,9 +101,9 @@ pub struct Comparison {
     /// Whether anything got worse.
     pub worse: bool,
     /// Facts of the runs that differ: versions, hosts, seeds.
-    pub facts: Vec<Change>,
+    pub facts: Vec<TextChange>,
     /// Plans whose files differ: the plan itself, its board, its program.
-    pub files: Vec<Change>,
+    pub files: Vec<TextChange>,
     /// Cases that came to something else, are missing or new.
     pub cases: Vec<CaseChange>,
     /// Claims and measurements of cases in both runs that are missing or new.
@@ -206,7 +206,7 @@ fn rank(case: &CaseRecord) -> Verdict {
     }
 }
 
-fn facts(old: &RunRecord, new: &RunRecord) -> Vec<Change> {
+fn facts(old: &RunRecord, new: &RunRecord) -> Vec<TextChange> {
     let mut known: Vec<(&str, String, String)> = Vec::new();
     let mut add = |what, of: &dyn Fn(&RunRecord) -> String| known.push((what, of(old), of(new)));
     add("version of rig", &|run| run.rig_version.clone());
@@ -226,11 +226,11 @@ fn facts(old: &RunRecord, new: &RunRecord) -> Vec<Change> {
         });
     }
     let differ = known.into_iter().filter(|(_, old, new)| old != new);
-    differ.map(|(what, old, new)| Change { what: what.to_owned(), old, new }).collect()
+    differ.map(|(what, old, new)| TextChange { what: what.to_owned(), old, new }).collect()
 }
 
 /// Of each plan in both runs, which of its files changed.
-fn files(old: &RunRecord, new: &RunRecord) -> Vec<Change> {
+fn files(old: &RunRecord, new: &RunRecord) -> Vec<TextChange> {
     type Hashes<'a> = BTreeMap<&'a str, [BTreeSet<&'a str>; 3]>;
     fn of(run: &RunRecord) -> Hashes<'_> {
         let mut all = Hashes::new();
@@ -250,7 +250,7 @@ fn files(old: &RunRecord, new: &RunRecord) -> Vec<Change> {
         for ((kind, was), is) in ["plan", "board", "program"].into_iter().zip(was).zip(is) {
             if was != is {
                 let list = |set: &BTreeSet<&str>| set.iter().copied().collect::<Vec<&str>>().join(" ");
-                changes.push(Change { what: format!("{kind} of {plan}"), old: list(was), new: list(is) });
+                changes.push(TextChange { what: format!("{kind} of {plan}"), old: list(was), new: list(is) });
             }
         }
     }

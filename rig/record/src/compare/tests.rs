@@ -128,5 +128,5 @@ fn what_the_runs_were_made_from_is_compared() {
     let found = compared(&old, &new);
     assert!(found.traces.is_empty() && !found.worse);
     assert_eq!(found.files[0].what, "program of a.toml");
-    assert_eq!(found.facts, [Change { what: "seed".into(), old: "1".into(), new: "2".into() }]);
+    assert_eq!(found.facts, [TextChange { what: "seed".into(), old: "1".into(), new: "2".into() }]);
 }

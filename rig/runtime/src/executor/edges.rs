@@ -2,7 +2,7 @@
 //! with keeps apart, and a step is done when its last edge was seen.
 
 use super::Executor;
-use crate::generator::Generator;
+use crate::generator::StimulusGenerator;
 use crate::rig_fault::RigFault;
 use crate::subject::SubjectExt;
 use drivers::ChannelId;
@@ -77,7 +77,7 @@ impl Executor<'_> {
     /// An edge of a step's generator comes later than the rig may be: what counts on its instant is not what was
     /// planned.
     pub(super) fn note_late_edge(&mut self, step: usize) {
-        let of_edges = |generator: &Generator| generator.is_of_edges();
+        let of_edges = |generator: &StimulusGenerator| generator.is_of_edges();
         let generator = self.parts.schedule.steps()[step].generator.as_ref();
         let Some(at) = self.parts.schedule.planned(step).filter(|_| generator.is_some_and(of_edges)) else {
             return;

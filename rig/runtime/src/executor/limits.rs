@@ -10,7 +10,7 @@ use signal::{Span, Time};
 
 /// What the executor is given of a case.
 #[derive(Clone, Copy, Debug)]
-pub struct Limits {
+pub struct ExecutorLimits {
     /// The state in which the case begins.
     pub initial: State,
     /// The longest that the rig may be late before its verdict is `error`.

@@ -3,9 +3,9 @@
 use super::Executor;
 use super::event_source::EventSource;
 use crate::rig_fault::RigFault;
-use crate::scan_port::{Role, ScanCommand, ScanCommandError, ScanPort, ScanRequest, Source};
+use crate::scan_port::{ExecutorRole, ObservedSource, ScanCommand, ScanCommandError, ScanPort, ScanRequest};
 use crate::subject::{NO_PROBE, SubjectExt};
-use control::Action;
+use control::ControllerAction;
 use controller::{Command, Probe};
 use drivers::{BusEvent, ChannelId, LossReason};
 use profile::IoChannel;
@@ -14,8 +14,8 @@ use std::sync::atomic::Ordering;
 
 /// Whether a probe of the rig's own controller means the same in the one that an executor has: the program and the functions
 /// of a case are others.
-fn is_there(probe: Probe, role: Role) -> bool {
-    role == Role::Rig
+fn is_there(probe: Probe, role: ExecutorRole) -> bool {
+    role == ExecutorRole::Rig
         || !matches!(probe, Probe::Variable(_) | Probe::Expert { .. } | Probe::TaskFigure { .. })
 }
 
@@ -25,12 +25,12 @@ type CommandOutcome = Result<Option<Value>, ScanCommandError>;
 impl<'a> Executor<'a> {
     /// The same, and clients are served by this port.
     #[must_use]
-    pub fn serving(mut self, port: Option<&'a mut ScanPort>, role: Role) -> Executor<'a> {
+    pub fn serving(mut self, port: Option<&'a mut ScanPort>, role: ExecutorRole) -> Executor<'a> {
         self.live = port;
         if let Some(live) = &mut self.live {
             self.parts.subject.reserve(live.watches());
             live.begin(role, |of| match of {
-                Source::Inside(probe) if is_there(probe, role) => self.parts.subject.watch(probe),
+                ObservedSource::Inside(probe) if is_there(probe, role) => self.parts.subject.watch(probe),
                 _ => NO_PROBE,
             });
         }
@@ -103,9 +103,9 @@ impl<'a> Executor<'a> {
     fn handle_request(&mut self, request: ScanRequest) -> Result<(), RigFault> {
         match request {
             ScanRequest::Watch(source, of) => {
-                let role = self.live.as_ref().map_or(Role::Rig, |live| live.role());
+                let role = self.live.as_ref().map_or(ExecutorRole::Rig, |live| live.role());
                 let probe = match of {
-                    Source::Inside(probe) if is_there(probe, role) => self.parts.subject.watch(probe),
+                    ObservedSource::Inside(probe) if is_there(probe, role) => self.parts.subject.watch(probe),
                     _ => NO_PROBE,
                 };
                 let (at, value) = self.look(of);
@@ -154,7 +154,7 @@ impl<'a> Executor<'a> {
     }
 
     fn is_case(&self) -> bool {
-        self.live.as_ref().is_some_and(|live| live.role() == Role::Case)
+        self.live.as_ref().is_some_and(|live| live.role() == ExecutorRole::Case)
     }
 
     /// While a case runs the board is its own: clients may look, and end it.
@@ -183,13 +183,13 @@ impl<'a> Executor<'a> {
     }
 
     /// What a source shows now.
-    fn look(&self, of: Source) -> (When, Value) {
+    fn look(&self, of: ObservedSource) -> (When, Value) {
         match of {
-            Source::Inside(probe) if self.is_case() && !is_there(probe, Role::Case) => {
+            ObservedSource::Inside(probe) if self.is_case() && !is_there(probe, ExecutorRole::Case) => {
                 (self.seen(self.now), Value::Unknown)
             }
-            Source::Inside(probe) => (self.seen(self.now), self.parts.subject.read(&probe)),
-            Source::Channel(channel) => {
+            ObservedSource::Inside(probe) => (self.seen(self.now), self.parts.subject.read(&probe)),
+            ObservedSource::Channel(channel) => {
                 let unseen = (When::exactly(self.now), Value::Unknown);
                 self.live.as_ref().map_or(unseen, |live| live.seen(channel))
             }
@@ -199,7 +199,7 @@ impl<'a> Executor<'a> {
     fn carry_out(&mut self, command: ScanCommand) -> CommandOutcome {
         match command {
             ScanCommand::Read(of) => Ok(Some(self.look(of).1)),
-            ScanCommand::Write(Source::Inside(probe), value) => {
+            ScanCommand::Write(ObservedSource::Inside(probe), value) => {
                 let written = self.parts.subject.write(
                     self.now,
                     &probe,
@@ -209,7 +209,7 @@ impl<'a> Executor<'a> {
                 );
                 written.map(|()| None).map_err(ScanCommandError::Write)
             }
-            ScanCommand::Write(Source::Channel(channel), value) => self.write_channel(channel, value),
+            ScanCommand::Write(ObservedSource::Channel(channel), value) => self.write_channel(channel, value),
             ScanCommand::Force(channel, on) => self.command(&Command::Force { channel, on }),
             ScanCommand::Release(channel) => self.command(&Command::Unforce(channel)),
             ScanCommand::ReleaseAll => self.release_all(),
@@ -251,18 +251,22 @@ impl<'a> Executor<'a> {
         Ok(None)
     }
 
-    fn act_on(&mut self, action: Action) -> CommandOutcome {
+    fn act_on(&mut self, action: ControllerAction) -> CommandOutcome {
         let command = match action {
-            Action::Run => Command::Run,
-            Action::Stop => Command::Stop,
-            Action::ResetWarm => Command::ResetWarm,
-            Action::ResetCold => Command::ResetCold,
-            Action::ResetOrigin => Command::ResetOrigin,
-            Action::Reboot => Command::Reboot,
-            Action::SwitchRun => Command::Switch(true),
-            Action::SwitchStop => Command::Switch(false),
-            Action::PowerOn | Action::PowerOff => {
-                self.parts.subject.power(self.now, action == Action::PowerOn, &mut self.buffers.effects);
+            ControllerAction::Run => Command::Run,
+            ControllerAction::Stop => Command::Stop,
+            ControllerAction::ResetWarm => Command::ResetWarm,
+            ControllerAction::ResetCold => Command::ResetCold,
+            ControllerAction::ResetOrigin => Command::ResetOrigin,
+            ControllerAction::Reboot => Command::Reboot,
+            ControllerAction::SwitchRun => Command::Switch(true),
+            ControllerAction::SwitchStop => Command::Switch(false),
+            ControllerAction::PowerOn | ControllerAction::PowerOff => {
+                self.parts.subject.power(
+                    self.now,
+                    action == ControllerAction::PowerOn,
+                    &mut self.buffers.effects,
+                );
                 return Ok(None);
             }
         };

@@ -49,7 +49,7 @@ use relays::RelayMarks;
 use signal::{Cause, Time, Value, When};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-pub use limits::{ExecutorReport, Limits};
+pub use limits::{ExecutorLimits, ExecutorReport};
 
 /// Turns of the loop without a moment of time passing: more is a circuit that oscillates for ever in no time.
 const MOST_SIMULTANEOUS: u32 = 1_000_000;
@@ -60,7 +60,7 @@ const LOG_LINES: usize = 1_000;
 /// Runs one case.
 pub struct Executor<'a> {
     parts: Parts<'a>,
-    limits: Limits,
+    limits: ExecutorLimits,
     /// The guard counts on its beats.
     beating: bool,
     buffers: Buffers,
@@ -180,7 +180,7 @@ impl std::fmt::Debug for Parts<'_> {
 
 impl<'a> Executor<'a> {
     /// An executor at time 0.
-    pub fn new(parts: Parts<'a>, limits: Limits) -> Executor<'a> {
+    pub fn new(parts: Parts<'a>, limits: ExecutorLimits) -> Executor<'a> {
         let channels = parts.board.channels();
         let buses = parts.board.bus_list();
         let values: Vec<Value> = channels.iter().map(|channel| channel.safe).collect();

@@ -9,7 +9,7 @@ use expert::{
     ExpertConfig, ExpertError, ExpertFault, FunctionConfig, FunctionKind, LimitsMode, PeriodMeasurement,
     PhaseMode, Reflex, SyncInput, Threshold, ThresholdEvent, WaveConfig, WaveRole,
 };
-use plans::plan::{FunctionSettings, FunctionType, Settings};
+use plans::plan::{FunctionSettings, FunctionType, PlanSettings};
 use profile::EventEdges;
 use signal::Span;
 
@@ -20,7 +20,7 @@ const RESOLUTION: Span = Span::from_micros(1);
 ///
 /// # Errors
 /// A finding for each function that lacks a key.
-pub fn configure(settings: &Settings, plan: &str) -> Result<ExpertConfig, Vec<Diagnostic>> {
+pub fn configure(settings: &PlanSettings, plan: &str) -> Result<ExpertConfig, Vec<Diagnostic>> {
     let (mut functions, mut found) = (Vec::new(), Vec::new());
     for said in &settings.expert {
         match kind(said) {
@@ -43,7 +43,7 @@ pub fn configure(settings: &Settings, plan: &str) -> Result<ExpertConfig, Vec<Di
 ///
 /// # Errors
 /// The findings.
-pub fn check(config: &Config, settings: &Settings, plan: &str) -> Result<(), Vec<Diagnostic>> {
+pub fn check(config: &Config, settings: &PlanSettings, plan: &str) -> Result<(), Vec<Diagnostic>> {
     let errors = config.check_expert();
     let found: Vec<Diagnostic> = errors
         .iter()
@@ -53,7 +53,7 @@ pub fn check(config: &Config, settings: &Settings, plan: &str) -> Result<(), Vec
 }
 
 /// What is worth knowing of them: bounce times that let too few pulses pass (io:STD-IN-05).
-pub fn warnings(config: &Config, settings: &Settings, plan: &str) -> Vec<Diagnostic> {
+pub fn warnings(config: &Config, settings: &PlanSettings, plan: &str) -> Vec<Diagnostic> {
     let found = config.expert.warnings(&config.input_conditions());
     let show = |warning: &expert::ExpertWarning| {
         let said = settings.expert.get(warning.function)?;

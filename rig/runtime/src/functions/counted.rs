@@ -5,7 +5,7 @@ use crate::codes;
 use document::Diagnostic;
 use drivers::{BoardFile, ChannelKind};
 use expert::{ChannelRole, CounterMode, CounterRole, ExpertConfig, FunctionKind};
-use plans::plan::Settings;
+use plans::plan::PlanSettings;
 use profile::{ChannelSet, IoChannel, Reference};
 use signal::Area;
 
@@ -31,7 +31,7 @@ pub fn counted(board: &BoardFile, reference: &Reference) -> ChannelSet {
 pub fn check(
     config: &ExpertConfig,
     counted: ChannelSet,
-    settings: &Settings,
+    settings: &PlanSettings,
     plan: &str,
 ) -> Result<(), Vec<Diagnostic>> {
     let mut found = Vec::new();

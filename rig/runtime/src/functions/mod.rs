@@ -11,53 +11,53 @@ pub use counted::{check as check_counted, counted};
 use crate::observable::Observable;
 use controller::Probe;
 use expert::{ExpertConfig, FunctionKind, FunctionProbe};
-use signal::Kind;
+use signal::ValueKind;
 
 /// What can be looked at of a counter or meter, by its name.
-const COUNTER: &[(&str, FunctionProbe, Kind)] = &[
-    ("value", FunctionProbe::Value, Kind::Int),
-    ("captured", FunctionProbe::Captured, Kind::Int),
-    ("valid", FunctionProbe::Valid, Kind::Bool),
-    ("run", FunctionProbe::Run, Kind::Bool),
-    ("error", FunctionProbe::Error, Kind::Int),
-    ("TH0", FunctionProbe::Threshold(0), Kind::Bool),
-    ("TH1", FunctionProbe::Threshold(1), Kind::Bool),
-    ("TH2", FunctionProbe::Threshold(2), Kind::Bool),
-    ("TH3", FunctionProbe::Threshold(3), Kind::Bool),
-    ("reflex0", FunctionProbe::Reflex(0), Kind::Bool),
-    ("reflex1", FunctionProbe::Reflex(1), Kind::Bool),
-    ("modulo_flag", FunctionProbe::ModuloFlag, Kind::Bool),
-    ("preset_flag", FunctionProbe::PresetFlag, Kind::Bool),
-    ("capture_flag", FunctionProbe::CaptureFlag, Kind::Bool),
-    ("excess", FunctionProbe::Excess, Kind::Int),
+const COUNTER: &[(&str, FunctionProbe, ValueKind)] = &[
+    ("value", FunctionProbe::Value, ValueKind::Int),
+    ("captured", FunctionProbe::Captured, ValueKind::Int),
+    ("valid", FunctionProbe::Valid, ValueKind::Bool),
+    ("run", FunctionProbe::Run, ValueKind::Bool),
+    ("error", FunctionProbe::Error, ValueKind::Int),
+    ("TH0", FunctionProbe::Threshold(0), ValueKind::Bool),
+    ("TH1", FunctionProbe::Threshold(1), ValueKind::Bool),
+    ("TH2", FunctionProbe::Threshold(2), ValueKind::Bool),
+    ("TH3", FunctionProbe::Threshold(3), ValueKind::Bool),
+    ("reflex0", FunctionProbe::Reflex(0), ValueKind::Bool),
+    ("reflex1", FunctionProbe::Reflex(1), ValueKind::Bool),
+    ("modulo_flag", FunctionProbe::ModuloFlag, ValueKind::Bool),
+    ("preset_flag", FunctionProbe::PresetFlag, ValueKind::Bool),
+    ("capture_flag", FunctionProbe::CaptureFlag, ValueKind::Bool),
+    ("excess", FunctionProbe::Excess, ValueKind::Int),
 ];
 
 /// The same of an axis.
-const AXIS: &[(&str, FunctionProbe, Kind)] = &[
-    ("state", FunctionProbe::State, Kind::State),
-    ("position", FunctionProbe::Position, Kind::Int),
-    ("velocity", FunctionProbe::Velocity, Kind::Int),
-    ("homed", FunctionProbe::Homed, Kind::Bool),
-    ("pulses", FunctionProbe::Pulses, Kind::Int),
-    ("error", FunctionProbe::Error, Kind::Int),
+const AXIS: &[(&str, FunctionProbe, ValueKind)] = &[
+    ("state", FunctionProbe::State, ValueKind::State),
+    ("position", FunctionProbe::Position, ValueKind::Int),
+    ("velocity", FunctionProbe::Velocity, ValueKind::Int),
+    ("homed", FunctionProbe::Homed, ValueKind::Bool),
+    ("pulses", FunctionProbe::Pulses, ValueKind::Int),
+    ("error", FunctionProbe::Error, ValueKind::Int),
 ];
 
 /// The same of a PWM output: frequency in tenths of a hertz, duty in tenths of a percent.
-const PWM: &[(&str, FunctionProbe, Kind)] = &[
-    ("frequency", FunctionProbe::Frequency, Kind::Int),
-    ("duty", FunctionProbe::Duty, Kind::Int),
-    ("pulses", FunctionProbe::Pulses, Kind::Int),
-    ("error", FunctionProbe::Error, Kind::Int),
+const PWM: &[(&str, FunctionProbe, ValueKind)] = &[
+    ("frequency", FunctionProbe::Frequency, ValueKind::Int),
+    ("duty", FunctionProbe::Duty, ValueKind::Int),
+    ("pulses", FunctionProbe::Pulses, ValueKind::Int),
+    ("error", FunctionProbe::Error, ValueKind::Int),
 ];
 
 /// The same of a frequency generator.
-const GENERATOR: &[(&str, FunctionProbe, Kind)] = &[
-    ("frequency", FunctionProbe::Frequency, Kind::Int),
-    ("pulses", FunctionProbe::Pulses, Kind::Int),
-    ("error", FunctionProbe::Error, Kind::Int),
+const GENERATOR: &[(&str, FunctionProbe, ValueKind)] = &[
+    ("frequency", FunctionProbe::Frequency, ValueKind::Int),
+    ("pulses", FunctionProbe::Pulses, ValueKind::Int),
+    ("error", FunctionProbe::Error, ValueKind::Int),
 ];
 
-const fn facts(kind: &FunctionKind) -> &'static [(&'static str, FunctionProbe, Kind)] {
+const fn facts(kind: &FunctionKind) -> &'static [(&'static str, FunctionProbe, ValueKind)] {
     match kind {
         FunctionKind::Counter(_) => COUNTER,
         FunctionKind::Axis(_) => AXIS,

@@ -1,6 +1,6 @@
 //! Pulses that the board makes by itself: one act in place of one for each edge.
 
-use super::Generator;
+use super::StimulusGenerator;
 use drivers::{ChannelId, Emission, NotEmitted, PulseCapability};
 use signal::{Span, Value};
 use std::sync::Arc;
@@ -84,7 +84,7 @@ impl EmittedPulses {
     }
 }
 
-impl Generator {
+impl StimulusGenerator {
     /// All edges of what drives one line from low up to `lasts`, for a channel that emits so.
     ///
     /// # Errors
@@ -128,7 +128,7 @@ impl Generator {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::generator::{Curve, Shape};
+    use crate::generator::{Curve, Waveform};
     use plans::steps::ExactPeriod;
 
     const fn us(n: i64) -> Span {
@@ -144,13 +144,13 @@ mod tests {
     };
 
     /// 25 kHz of which a quarter is high.
-    fn square(lasts: Option<Span>) -> Generator {
+    fn square(lasts: Option<Span>) -> StimulusGenerator {
         let cycle = ExactPeriod::of_millihertz(25_000_000);
-        let shape = Shape::Square { band: None, cycle, phase: 0, duty: 90_000_000 };
-        Generator::Wave { channel: ChannelId(0), curve: Curve { shape, lasts, sample: us(1) } }
+        let shape = Waveform::Square { band: None, cycle, phase: 0, duty: 90_000_000 };
+        StimulusGenerator::Wave { channel: ChannelId(0), curve: Curve { shape, lasts, sample: us(1) } }
     }
 
-    fn edges(generator: &Generator, lasts: Span) -> Result<Vec<i64>, EmissionError> {
+    fn edges(generator: &StimulusGenerator, lasts: Span) -> Result<Vec<i64>, EmissionError> {
         match generator.pulses(lasts, &STREAM)? {
             Emission::Pulses(edges) => Ok(edges.iter().map(|edge| edge.as_nanos() / 1_000).collect()),
             Emission::Square { .. } => panic!(),

@@ -12,7 +12,7 @@ mod wave;
 pub use band::Band;
 pub use emission::{EmissionError, EmittedPulses};
 pub use sequence::{Rows, TableValue};
-pub use wave::{Curve, Form, Shape};
+pub use wave::{Curve, Form, Waveform};
 
 use drivers::{BusId, ChannelId, Emission};
 use plans::steps::{Encoder, SendFrames, TrainStimulus};
@@ -20,7 +20,7 @@ use signal::{CanFrame, Random, Span, Value};
 
 /// A stimulus under way.
 #[derive(Clone, Debug)]
-pub enum Generator {
+pub enum StimulusGenerator {
     /// A train of pulses: a rising edge, a falling edge, and so on.
     Train {
         /// Where it is emitted.
@@ -70,30 +70,32 @@ pub enum BoardOrder {
     Emit(ChannelId, Emission),
 }
 
-impl Generator {
+impl StimulusGenerator {
     /// How long after the beginning act `n` from 0 comes; `None` after the last.
     pub fn after(&self, n: u64) -> Option<Span> {
         match self {
-            Generator::Train { train, seed, .. } => {
+            StimulusGenerator::Train { train, seed, .. } => {
                 let pulse = u32::try_from(n / 2 + 1).ok().filter(|pulse| *pulse <= train.count)?;
                 Some(pulse_edge(train, *seed, pulse, n.is_multiple_of(2)))
             }
-            Generator::Wave { curve, .. } => curve.after(n),
-            Generator::Encoder { encoder, .. } => match n {
+            StimulusGenerator::Wave { curve, .. } => curve.after(n),
+            StimulusGenerator::Encoder { encoder, .. } => match n {
                 0 => Some(Span::ZERO),
                 n => encoder.count(n).map(|(after, _)| after),
             },
-            Generator::Sequence(rows) => rows.after(n),
-            Generator::Frames { send, seed, .. } => (n < u64::from(send.count)).then(|| send.after(n, *seed)),
-            Generator::Emitted(emitted) => emitted.after(n),
+            StimulusGenerator::Sequence(rows) => rows.after(n),
+            StimulusGenerator::Frames { send, seed, .. } => {
+                (n < u64::from(send.count)).then(|| send.after(n, *seed))
+            }
+            StimulusGenerator::Emitted(emitted) => emitted.after(n),
         }
     }
 
     /// When pulse `n` from 1 of a train rises, jitter included.
     pub fn rises(&self, n: u32) -> Option<Span> {
         match self {
-            Generator::Train { train, seed, .. } => Some(pulse_edge(train, *seed, n, true)),
-            Generator::Emitted(emitted) => emitted.rises(n),
+            StimulusGenerator::Train { train, seed, .. } => Some(pulse_edge(train, *seed, n, true)),
+            StimulusGenerator::Emitted(emitted) => emitted.rises(n),
             _ => None,
         }
     }
@@ -101,16 +103,18 @@ impl Generator {
     /// What act `n`, which there is, writes: appended to `out`.
     pub fn writes(&self, n: u64, out: &mut Vec<(ChannelId, Value)>) {
         match self {
-            Generator::Train { channel, .. } => out.push((*channel, Value::Bool(n.is_multiple_of(2)))),
-            Generator::Wave { channel, curve } => {
+            StimulusGenerator::Train { channel, .. } => {
+                out.push((*channel, Value::Bool(n.is_multiple_of(2))))
+            }
+            StimulusGenerator::Wave { channel, curve } => {
                 if let Some(after) = curve.after(n) {
                     out.push((*channel, curve.value(n, after)));
                 }
             }
-            Generator::Sequence(rows) => rows.writes(n, out),
-            Generator::Frames { .. } => {}
-            Generator::Emitted(emitted) => emitted.writes(n, out),
-            Generator::Encoder { lines, encoder } => {
+            StimulusGenerator::Sequence(rows) => rows.writes(n, out),
+            StimulusGenerator::Frames { .. } => {}
+            StimulusGenerator::Emitted(emitted) => emitted.writes(n, out),
+            StimulusGenerator::Encoder { lines, encoder } => {
                 let before = n.checked_sub(1).map(|before| match before {
                     0 => encoder.from,
                     n => encoder.count(n).map_or(encoder.from, |(_, position)| position),
@@ -136,17 +140,19 @@ impl Generator {
     /// Whether its acts are edges, whose distances count where nobody can make up for a late one.
     pub fn is_of_edges(&self) -> bool {
         match self {
-            Generator::Train { .. } | Generator::Encoder { .. } | Generator::Sequence(_) => true,
-            Generator::Wave { curve, .. } => matches!(curve.shape, Shape::Square { .. }),
-            Generator::Frames { .. } | Generator::Emitted(_) => false,
+            StimulusGenerator::Train { .. }
+            | StimulusGenerator::Encoder { .. }
+            | StimulusGenerator::Sequence(_) => true,
+            StimulusGenerator::Wave { curve, .. } => matches!(curve.shape, Waveform::Square { .. }),
+            StimulusGenerator::Frames { .. } | StimulusGenerator::Emitted(_) => false,
         }
     }
 
     /// What act `n` asks of the board besides, if anything.
     pub fn order(&self, n: u64) -> Option<BoardOrder> {
         match self {
-            Generator::Frames { bus, frame, .. } => Some(BoardOrder::Send(*bus, *frame)),
-            Generator::Emitted(emitted) if n == 0 => {
+            StimulusGenerator::Frames { bus, frame, .. } => Some(BoardOrder::Send(*bus, *frame)),
+            StimulusGenerator::Emitted(emitted) if n == 0 => {
                 Some(BoardOrder::Emit(emitted.channel, emitted.emission.clone()))
             }
             _ => None,
@@ -155,8 +161,8 @@ impl Generator {
 
     /// It begins now, with what `driven` says that each channel is driven to.
     pub fn begin(&mut self, driven: &[Value]) {
-        let Generator::Wave { channel, curve } = self else { return };
-        if let Shape::Ramp { band, fixed: false } = &mut curve.shape {
+        let StimulusGenerator::Wave { channel, curve } = self else { return };
+        if let Waveform::Ramp { band, fixed: false } = &mut curve.shape {
             let from = driven.get(usize::from(channel.0)).and_then(|value| value.as_real());
             // A channel that nobody drives reads 0.
             *band = Band::from_float(from.unwrap_or(0.0), band.to());
@@ -166,13 +172,13 @@ impl Generator {
     /// The channels that it drives.
     pub fn channels(&self) -> impl Iterator<Item = ChannelId> {
         let (few, rows) = match self {
-            Generator::Train { channel, .. } | Generator::Wave { channel, .. } => {
+            StimulusGenerator::Train { channel, .. } | StimulusGenerator::Wave { channel, .. } => {
                 ([Some(*channel), None, None], None)
             }
-            Generator::Encoder { lines, .. } => (*lines, None),
-            Generator::Sequence(rows) => ([None; 3], Some(rows)),
-            Generator::Emitted(emitted) => ([Some(emitted.channel), None, None], None),
-            Generator::Frames { .. } => ([None; 3], None),
+            StimulusGenerator::Encoder { lines, .. } => (*lines, None),
+            StimulusGenerator::Sequence(rows) => ([None; 3], Some(rows)),
+            StimulusGenerator::Emitted(emitted) => ([Some(emitted.channel), None, None], None),
+            StimulusGenerator::Frames { .. } => ([None; 3], None),
         };
         few.into_iter().flatten().chain(rows.into_iter().flat_map(Rows::channels))
     }

@@ -16,7 +16,7 @@ pub struct TableValue {
 
 /// A value of a channel at an instant of the table.
 #[derive(Clone, Copy, Debug)]
-struct Point {
+struct SequencePoint {
     /// When it comes, in nanoseconds.
     at: i64,
     /// What it is.
@@ -33,7 +33,7 @@ pub struct Rows {
     /// How many acts come before each row, and after them how many there are.
     before: Vec<u64>,
     /// Each channel with its points.
-    columns: Vec<(ChannelId, Vec<Point>)>,
+    columns: Vec<(ChannelId, Vec<SequencePoint>)>,
     passes: u64,
     sample: i64,
 }
@@ -46,14 +46,14 @@ impl Rows {
         for row in 0..times.len() {
             before.push(before[row] + sequence.instants(row));
         }
-        let points = |values: Vec<Option<TableValue>>| -> Vec<Point> {
+        let points = |values: Vec<Option<TableValue>>| -> Vec<SequencePoint> {
             let given = times.iter().zip(values);
             let given: Vec<(i64, TableValue)> = given.filter_map(|(at, value)| Some((*at, value?))).collect();
             let point = |place: usize| {
                 let (at, TableValue { value, number }) = given[place];
                 let next = given.get(place + 1).and_then(|(_, next)| next.number);
                 let even = number.zip(next).filter(|_| sequence.sample.is_some());
-                Point { at, value, to_next: even.map(|(from, to)| Band::new(from, to)) }
+                SequencePoint { at, value, to_next: even.map(|(from, to)| Band::new(from, to)) }
             };
             (0..given.len()).map(point).collect()
         };

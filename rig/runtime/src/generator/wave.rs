@@ -15,7 +15,7 @@ const DRAWS: u64 = 1 << 53;
 #[derive(Clone, Debug)]
 pub struct Curve {
     /// Its rule.
-    pub shape: Shape,
+    pub shape: Waveform,
     /// How long it lasts; `None`: until something else drives the line.
     pub lasts: Option<Span>,
     /// From one value to the next.
@@ -24,7 +24,7 @@ pub struct Curve {
 
 /// The rule by which a value changes.
 #[derive(Clone, Debug)]
-pub enum Shape {
+pub enum Waveform {
     /// Evenly from one end of a band to the other.
     Ramp {
         /// The band; from where the line is, where the plan does not say.
@@ -82,7 +82,7 @@ const WHOLE: u128 = plans::steps::PeriodicWave::WHOLE as u128;
 impl Curve {
     /// How long after the beginning value `n` from 0 comes; `None` after the last.
     pub fn after(&self, n: u64) -> Option<Span> {
-        if let Shape::Square { cycle, phase, duty, .. } = &self.shape {
+        if let Waveform::Square { cycle, phase, duty, .. } = &self.shape {
             let (parts, _) = edge(n, u128::from(*phase), u128::from(*duty));
             let after = cycle.after(parts, WHOLE);
             // What would come at the very end belongs to what is no more.
@@ -102,11 +102,11 @@ impl Curve {
     /// Value `n` from 0, which comes `after` the beginning.
     pub fn value(&self, n: u64, after: Span) -> Value {
         match &self.shape {
-            Shape::Ramp { band, .. } => {
+            Waveform::Ramp { band, .. } => {
                 let nanos = |span: Span| u128::try_from(span.as_nanos()).unwrap_or(0);
                 Value::Real(band.at(nanos(after), nanos(self.lasts.unwrap_or(after)).max(1)))
             }
-            Shape::Periodic { form, band, cycle, phase, whole } => {
+            Waveform::Periodic { form, band, cycle, phase, whole } => {
                 let ended = self.lasts == Some(after);
                 let (part, period) = if *whole && ended { (0, 1) } else { cycle.position(after) };
                 let (mut part, period) = (part * WHOLE + u128::from(*phase) * period, period * WHOLE);
@@ -120,14 +120,14 @@ impl Curve {
                     Form::Triangle(rise) => triangle(part, period, u128::from(*rise), band),
                 })
             }
-            Shape::Square { band, phase, duty, .. } => {
+            Waveform::Square { band, phase, duty, .. } => {
                 let (_, high) = edge(n, u128::from(*phase), u128::from(*duty));
                 match band {
                     None => Value::Bool(high),
                     Some(band) => Value::Real(if high { band.to() } else { band.from() }),
                 }
             }
-            Shape::Noise { band, deviation, seed } => {
+            Waveform::Noise { band, deviation, seed } => {
                 let mut random = Random::lane(*seed, n);
                 Value::Real(match deviation {
                     None => band.at(u128::from(random.below(DRAWS + 1)), u128::from(DRAWS)),
@@ -213,7 +213,7 @@ mod tests {
 
     fn periodic(form: Form, phase: u32, lasts: Option<Span>, whole: bool) -> Curve {
         // 2 Hz in values every 25 ms: 20 of them in a period.
-        let shape = Shape::Periodic {
+        let shape = Waveform::Periodic {
             form,
             band: band(-1, 3),
             cycle: ExactPeriod::of_millihertz(2_000),
@@ -265,7 +265,7 @@ mod tests {
     #[test]
     fn the_last_value_comes_at_the_very_end() {
         let ramp = Curve {
-            shape: Shape::Ramp { band: band(0, 10), fixed: true },
+            shape: Waveform::Ramp { band: band(0, 10), fixed: true },
             lasts: Some(Span::from_micros(2_500)),
             sample: Span::from_millis(1),
         };
@@ -280,7 +280,8 @@ mod tests {
     #[test]
     fn a_square_wave_has_its_edges_where_its_phase_puts_them() {
         let square = |phase: u32, duty: u32| {
-            let shape = Shape::Square { band: None, cycle: ExactPeriod::of_millihertz(100_000), phase, duty };
+            let shape =
+                Waveform::Square { band: None, cycle: ExactPeriod::of_millihertz(100_000), phase, duty };
             let curve = Curve { shape, lasts: Some(Span::from_millis(20)), sample: Span::from_millis(10) };
             values(&curve).into_iter().map(|(at, value)| (at, value == Value::Bool(true))).collect::<Vec<_>>()
         };
@@ -299,7 +300,7 @@ mod tests {
     #[test]
     fn noise_keeps_its_range_and_its_seed() {
         let noise = |deviation, seed| {
-            let shape = Shape::Noise { band: band(-1, 1), deviation, seed };
+            let shape = Waveform::Noise { band: band(-1, 1), deviation, seed };
             reals(&Curve { shape, lasts: Some(Span::from_secs(20)), sample: Span::from_millis(1) })
         };
         let spread = |values: &[f64]| {

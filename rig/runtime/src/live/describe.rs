@@ -2,7 +2,8 @@
 
 use crate::catalogue::Catalogue;
 use control::{
-    BusInfo, Channel as OnBoard, DeviceInfo, Direction, FrameSeen, FunctionInfo, Point, SignalKind, TaskInfo,
+    BusInfo, ChannelInfo as OnBoard, DeviceInfo, FrameSeen, FunctionInfo, PointDirection, PointInfo,
+    SignalKind, TaskInfo,
 };
 use controller::{TaskConfig, TaskKind};
 use drivers::{Board, BoardExt, BoardFile, BusId, BusKind, ChannelId, ChannelKind};
@@ -12,7 +13,7 @@ use signal::{Address, Area, CanFrame, SerialErrors, SerialMessage, Time};
 
 /// The devices behind a board's channels and buses, each once.
 #[derive(Debug)]
-pub struct Devices {
+pub struct DeviceTable {
     /// As clients get them.
     pub list: Vec<DeviceInfo>,
     /// The device behind each channel.
@@ -21,9 +22,9 @@ pub struct Devices {
     pub of_buses: Vec<Option<usize>>,
 }
 
-impl Devices {
+impl DeviceTable {
     /// Those of a board.
-    pub fn of(board: &dyn Board) -> Devices {
+    pub fn of(board: &dyn Board) -> DeviceTable {
         let mut list: Vec<DeviceInfo> = Vec::new();
         let mut place = |name: Option<&str>, kind: &str| {
             let name = name?;
@@ -46,12 +47,17 @@ impl Devices {
             place(board.bus_device(BusId(number)), kind)
         };
         let of_buses = (0..).zip(board.bus_list()).map(of_bus).collect();
-        Devices { list, of_channels, of_buses }
+        DeviceTable { list, of_channels, of_buses }
     }
 }
 
 /// The terminals of the controller, then the lines of the board that have none.
-pub fn points(catalogue: &Catalogue, file: &BoardFile, board: &dyn Board, devices: &Devices) -> Vec<Point> {
+pub fn points(
+    catalogue: &Catalogue,
+    file: &BoardFile,
+    board: &dyn Board,
+    devices: &DeviceTable,
+) -> Vec<PointInfo> {
     let reference = catalogue.reference();
     let (inputs, outputs) = (reference.input_count() as u32, reference.output_count() as u32);
     let expert = catalogue.functions().outputs();
@@ -66,11 +72,11 @@ pub fn points(catalogue: &Catalogue, file: &BoardFile, board: &dyn Board, device
     };
     let terminal = |area: Area, letter: char, number: u32| {
         let address = Address::bit(area, number);
-        Point {
+        PointInfo {
             name: format!("{letter}{number}"),
             address: Some(address.to_string()),
             variable: variable_at(catalogue, address),
-            direction: if area == Area::Input { Direction::Input } else { Direction::Output },
+            direction: if area == Area::Input { PointDirection::Input } else { PointDirection::Output },
             kind: SignalKind::Bool,
             channel: file.channel_of(address).and_then(channel),
             image: Some(address.to_string()),
@@ -79,7 +85,7 @@ pub fn points(catalogue: &Catalogue, file: &BoardFile, board: &dyn Board, device
     };
     let inputs = (0..inputs).map(|number| terminal(Area::Input, 'I', number));
     let outputs = (0..outputs).map(|number| terminal(Area::Output, 'Q', number));
-    let terminals: Vec<Point> = inputs.chain(outputs).collect();
+    let terminals: Vec<PointInfo> = inputs.chain(outputs).collect();
     // A simulated board has a line for each terminal. Nothing is on that of one which is bound elsewhere, and its name means
     // the terminal.
     let leads_nowhere =
@@ -89,11 +95,11 @@ pub fn points(catalogue: &Catalogue, file: &BoardFile, board: &dyn Board, device
         .filter(|id| !file.bind.iter().any(|binding| binding.channel == *id));
     let loose = loose.filter_map(|id| {
         let known = board.channels().get(usize::from(id.0)).filter(|known| !leads_nowhere(&known.name))?;
-        Some(Point {
+        Some(PointInfo {
             name: known.name.clone(),
             address: None,
             variable: None,
-            direction: Direction::Loose,
+            direction: PointDirection::Loose,
             kind: match known.kind {
                 ChannelKind::Digital => SignalKind::Bool,
                 ChannelKind::Analog { .. } => SignalKind::Real,
@@ -104,13 +110,13 @@ pub fn points(catalogue: &Catalogue, file: &BoardFile, board: &dyn Board, device
             forcible: false,
         })
     });
-    let loose: Vec<Point> = loose.collect();
+    let loose: Vec<PointInfo> = loose.collect();
     terminals.into_iter().chain(loose).collect()
 }
 
 /// The channel behind each point, in their order.
-pub fn channels(points: &[Point], board: &dyn Board) -> Vec<Option<usize>> {
-    let place = |point: &Point| {
+pub fn channels(points: &[PointInfo], board: &dyn Board) -> Vec<Option<usize>> {
+    let place = |point: &PointInfo| {
         let channel = point.channel.as_ref()?;
         board.channels().iter().position(|known| known.name == channel.name)
     };

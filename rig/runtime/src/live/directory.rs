@@ -4,12 +4,12 @@ use super::fault;
 use crate::catalogue::Catalogue;
 use crate::observable::Observable;
 use crate::prepare::state_labels;
-use crate::scan_port::Source;
-use control::{Fault, Signal, SignalKind};
+use crate::scan_port::ObservedSource;
+use control::{RequestFault, Signal, SignalKind};
 use controller::Probe;
 use drivers::{BoardFile, Channel, ChannelId, ChannelKind};
 use profile::IoChannel;
-use signal::{Address, AddressLimits, Area, Kind, Span, Value};
+use signal::{Address, AddressLimits, Area, Span, Value, ValueKind};
 use std::collections::BTreeMap;
 
 /// Names that can be reported of one program: a description stays short enough to be sent.
@@ -20,7 +20,7 @@ const MOST_FOUND: usize = 4_096;
 
 /// A signal with what is behind it.
 #[derive(Clone, Debug)]
-struct Known {
+struct KnownSignal {
     signal: Signal,
     source: u32,
 }
@@ -31,11 +31,11 @@ pub struct Directory {
     catalogue: Catalogue,
     limits: AddressLimits,
     /// Name, unit, kind, whether a client may drive it, and the terminal behind each channel.
-    channels: Vec<Line>,
-    signals: Vec<Known>,
+    channels: Vec<BoardLine>,
+    signals: Vec<KnownSignal>,
     /// By names in small letters.
     names: BTreeMap<String, u32>,
-    sources: Vec<Source>,
+    sources: Vec<ObservedSource>,
     /// Signals of each source.
     shown: Vec<Vec<u32>>,
     /// Signals beyond this number were found.
@@ -44,7 +44,7 @@ pub struct Directory {
 
 /// A channel of the board.
 #[derive(Clone, Debug)]
-struct Line {
+struct BoardLine {
     name: String,
     unit: String,
     kind: SignalKind,
@@ -63,7 +63,7 @@ impl Directory {
         let line = |(place, channel): (usize, &Channel)| {
             let id = ChannelId(place as u16);
             let bound = file.bind.iter().find(|binding| binding.channel == id);
-            Line {
+            BoardLine {
                 name: channel.name.clone(),
                 unit: channel.unit().to_owned(),
                 kind: match channel.kind {
@@ -108,7 +108,7 @@ impl Directory {
     ///
     /// # Errors
     /// A name that is unknown, or one more than can be found.
-    pub fn find(&mut self, name: &str) -> Result<Signal, Fault> {
+    pub fn find(&mut self, name: &str) -> Result<Signal, RequestFault> {
         let name = name.trim();
         let small = name.to_ascii_lowercase();
         if let Some(known) = self.names.get(&small).and_then(|number| self.signals.get(*number as usize)) {
@@ -126,19 +126,19 @@ impl Directory {
         });
         self.shown[place].push(number);
         let signal = Signal { number, ..signal };
-        self.signals.push(Known { signal: signal.clone(), source: place as u32 });
+        self.signals.push(KnownSignal { signal: signal.clone(), source: place as u32 });
         self.names.insert(small, number);
         Ok(signal)
     }
 
     /// What is behind a signal, under its own number.
-    pub fn source(&self, signal: u32) -> Option<(u32, Source)> {
+    pub fn source(&self, signal: u32) -> Option<(u32, ObservedSource)> {
         let source = self.signals.get(signal as usize)?.source;
         Some((source, *self.sources.get(source as usize)?))
     }
 
     /// What a source is.
-    pub fn of(&self, source: u32) -> Option<Source> {
+    pub fn of(&self, source: u32) -> Option<ObservedSource> {
         self.sources.get(source as usize).copied()
     }
 
@@ -155,9 +155,9 @@ impl Directory {
     /// The embedded input or output whose image or line a signal is.
     pub fn embedded_channel(&self, signal: u32) -> Option<IoChannel> {
         let address = match self.source(signal)?.1 {
-            Source::Inside(Probe::Address(address)) => address,
-            Source::Inside(_) => return None,
-            Source::Channel(channel) => self.channels.get(usize::from(channel.0))?.terminal?,
+            ObservedSource::Inside(Probe::Address(address)) => address,
+            ObservedSource::Inside(_) => return None,
+            ObservedSource::Channel(channel) => self.channels.get(usize::from(channel.0))?.terminal?,
         };
         IoChannel::at(address, self.catalogue.reference())
     }
@@ -166,7 +166,7 @@ impl Directory {
     ///
     /// # Errors
     /// It cannot be written, or not with this value.
-    pub fn fitting(&self, signal: u32, value: Value) -> Result<Value, Fault> {
+    pub fn fitting(&self, signal: u32, value: Value) -> Result<Value, RequestFault> {
         let Some(known) = self.signal(signal) else { return Err(fault::unknown(&signal.to_string(), None)) };
         if !known.writable {
             return Err(fault::not_written(&known.name));
@@ -204,7 +204,7 @@ impl Directory {
         Ok(fitting)
     }
 
-    fn meaning(&self, name: &str) -> Result<(Source, Signal), Fault> {
+    fn meaning(&self, name: &str) -> Result<(ObservedSource, Signal), RequestFault> {
         let signal = |name: &str, kind, writable| Signal {
             number: 0,
             name: name.to_owned(),
@@ -223,11 +223,11 @@ impl Directory {
         if let Some(place) = place {
             let line = &self.channels[place];
             let found = Signal { unit: line.unit.clone(), ..signal(&line.name, line.kind, line.drives) };
-            return Ok((Source::Channel(ChannelId(place as u16)), found));
+            return Ok((ObservedSource::Channel(ChannelId(place as u16)), found));
         }
         if name.eq_ignore_ascii_case("state") {
             let found = Signal { labels: state_labels(), ..signal("state", SignalKind::State, false) };
-            return Ok((Source::Inside(Probe::State), found));
+            return Ok((ObservedSource::Inside(Probe::State), found));
         }
         if let Ok(address) = Address::parse(name)
             && let Err(error) = address.check(&self.limits)
@@ -252,7 +252,7 @@ impl Directory {
         let is_time = matches!(probe, Probe::Variable(_)) && self.catalogue.times(name).is_some();
         let unit = if is_time { String::from("ns") } else { String::new() };
         let found = Signal { unit, labels: found.labels(), ..signal(&spelling, kind_of(kind), writable) };
-        Ok((Source::Inside(probe), found))
+        Ok((ObservedSource::Inside(probe), found))
     }
 
     /// The address of `I3` or `Q0`.
@@ -267,19 +267,19 @@ impl Directory {
         ((number as usize) < count).then(|| Address::bit(area, number))
     }
 
-    fn unknown(&self, name: &str) -> Fault {
+    fn unknown(&self, name: &str) -> RequestFault {
         let channels = self.channels.iter().map(|line| line.name.as_str());
         let names = channels.chain(self.signals.iter().map(|known| known.signal.name.as_str()));
         fault::unknown(name, document::suggest(name, names))
     }
 }
 
-const fn kind_of(kind: Kind) -> SignalKind {
+const fn kind_of(kind: ValueKind) -> SignalKind {
     match kind {
-        Kind::Bool => SignalKind::Bool,
-        Kind::Int | Kind::Mark => SignalKind::Int,
-        Kind::Word => SignalKind::Word,
-        Kind::Real => SignalKind::Real,
-        Kind::State => SignalKind::State,
+        ValueKind::Bool => SignalKind::Bool,
+        ValueKind::Int | ValueKind::Mark => SignalKind::Int,
+        ValueKind::Word => SignalKind::Word,
+        ValueKind::Real => SignalKind::Real,
+        ValueKind::State => SignalKind::State,
     }
 }

@@ -2,15 +2,15 @@
 
 use crate::codes;
 use crate::scan_port::ScanCommandError;
-use control::Fault;
+use control::RequestFault;
 use controller::{CommandError, State, WriteError};
 
-fn fault(code: &str, message: String, help: &str) -> Fault {
-    Fault { code: code.into(), message, help: help.into() }
+fn fault(code: &str, message: String, help: &str) -> RequestFault {
+    RequestFault { code: code.into(), message, help: help.into() }
 }
 
 /// A name that the rig does not know.
-pub fn unknown(name: &str, meant: Option<&str>) -> Fault {
+pub fn unknown(name: &str, meant: Option<&str>) -> RequestFault {
     let help = match meant {
         Some(meant) => format!("did you mean `{meant}`?"),
         None => String::from("`describe` lists the names; addresses such as %MW12 can be named besides"),
@@ -19,7 +19,7 @@ pub fn unknown(name: &str, meant: Option<&str>) -> Fault {
 }
 
 /// An address that the controller does not have.
-pub fn unknown_address(name: &str, why: &str) -> Fault {
+pub fn unknown_address(name: &str, why: &str) -> RequestFault {
     fault(
         codes::UNKNOWN_TO_RIG,
         format!("unknown name `{name}`: {why}"),
@@ -28,13 +28,13 @@ pub fn unknown_address(name: &str, why: &str) -> Fault {
 }
 
 /// Something that is only looked at.
-pub fn not_written(name: &str) -> Fault {
+pub fn not_written(name: &str) -> RequestFault {
     let help = "write a variable, a %M address, or a line of the board that nothing of the rig drives; force an output";
     fault(codes::CLIENT_CANNOT_WRITE, format!("`{name}` cannot be written"), help)
 }
 
 /// A value that does not fit.
-pub fn bad_value(name: &str, wanted: &str) -> Fault {
+pub fn bad_value(name: &str, wanted: &str) -> RequestFault {
     fault(
         codes::CLIENT_VALUE_MISFIT,
         format!("the value does not fit `{name}`"),
@@ -43,18 +43,18 @@ pub fn bad_value(name: &str, wanted: &str) -> Fault {
 }
 
 /// More than there is room for.
-pub fn too_many(what: &str) -> Fault {
+pub fn too_many(what: &str) -> RequestFault {
     fault(codes::TOO_MANY, format!("too much at once: {what}"), "end what is not needed, or ask again later")
 }
 
 /// Something that is no embedded input or output.
-pub fn not_forced(name: &str) -> Fault {
+pub fn not_forced(name: &str) -> RequestFault {
     let help = "force an embedded input or output, as in %IX0.2 or Q3; write anything else";
     fault(codes::NOT_FORCEABLE, format!("`{name}` cannot be forced"), help)
 }
 
 /// Why the scan did not carry out an order.
-pub fn refused(why: ScanCommandError) -> Fault {
+pub fn refused(why: ScanCommandError) -> RequestFault {
     match why {
         ScanCommandError::Command(refusal) => {
             fault(codes::COMMAND_REFUSED, format!("the controller does not obey: {refusal}"), fix(refusal))
@@ -105,19 +105,19 @@ const fn fix(refusal: CommandError) -> &'static str {
 pub const LED: &str = codes::REAL_LINES_NOT_STEPPED;
 
 /// A plan that cannot be run.
-pub fn plan(why: &str) -> Fault {
+pub fn plan(why: &str) -> RequestFault {
     fault(codes::PLAN_NOT_RUN, format!("the plan cannot be run: {why}"), "`rig check` says more of it")
 }
 
 /// A case that a plan does not have.
-pub fn no_case(name: &str, meant: Option<&str>) -> Fault {
+pub fn no_case(name: &str, meant: Option<&str>) -> RequestFault {
     let help = meant
         .map_or_else(|| String::from("`plans` lists the cases"), |meant| format!("did you mean `{meant}`?"));
     fault(codes::PLAN_NOT_RUN, format!("there is no case `{name}`"), &help)
 }
 
 /// A plan has the board.
-pub fn plan_runs() -> Fault {
+pub fn plan_runs() -> RequestFault {
     fault(
         codes::PLAN_HAS_BOARD,
         "a plan runs: the board is its own until it ends".into(),
@@ -126,6 +126,6 @@ pub fn plan_runs() -> Fault {
 }
 
 /// A rig that runs no plans.
-pub fn no_plans() -> Fault {
+pub fn no_plans() -> RequestFault {
     fault(codes::NO_PLANS, "this rig runs no plans".into(), "run them with `rig test`")
 }

@@ -5,10 +5,12 @@ use super::directory::Directory;
 use super::fault;
 use super::plans::{ChosenCases, PlanBench, PlanSlot};
 use super::status::StatusSource;
-use crate::scan_port::{HandleEnd, Outcome, ScanCommand, ScanEvent, ScanRequest};
-use control::{Description, Fault, FrameSeen, Greeting, PROTOCOL, PlanEvent, PlanStatus, Signal, Status};
+use crate::scan_port::{HandleEnd, OrderOutcome, ScanCommand, ScanEvent, ScanRequest};
+use control::{
+    Description, FrameSeen, Greeting, PROTOCOL, PlanEvent, PlanStatus, RequestFault, Signal, Status,
+};
 use host::Bell;
-use services::control::{Answer, MOST_ORDERS, Order, Rig, RigEvent, Ticket};
+use services::control::{Answer, MOST_ORDERS, Rig, RigEvent, RigOrder, Ticket};
 use signal::{Value, When};
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
@@ -54,10 +56,10 @@ pub struct LiveRig {
     waiting: VecDeque<ScanRequest>,
     /// What is reported with the next call although the scan does not report it.
     own: Vec<RigEvent>,
-    outcomes: Vec<(u64, Outcome)>,
+    outcomes: Vec<(u64, OrderOutcome)>,
     orders: PlanOrders,
     /// A plan that is being read, and for which order.
-    reading: Option<(u64, Receiver<Result<ChosenCases, Fault>>)>,
+    reading: Option<(u64, Receiver<Result<ChosenCases, RequestFault>>)>,
     plan: Option<PlanStatus>,
     ended: bool,
 }
@@ -137,7 +139,7 @@ impl LiveRig {
     }
 
     /// The order with its names resolved.
-    fn command(&self, order: &Order) -> Result<ScanCommand, Fault> {
+    fn command(&self, order: &RigOrder) -> Result<ScanCommand, RequestFault> {
         let source = |signal: u32| {
             let found = self.directory.source(signal);
             found.ok_or_else(|| fault::unknown(&signal.to_string(), None)).map(|(_, of)| of)
@@ -150,11 +152,11 @@ impl LiveRig {
                 .map(|found| (found, name))
         };
         Ok(match *order {
-            Order::Read(signal) => ScanCommand::Read(source(signal)?),
-            Order::Write(signal, value) => {
+            RigOrder::Read(signal) => ScanCommand::Read(source(signal)?),
+            RigOrder::Write(signal, value) => {
                 ScanCommand::Write(source(signal)?, self.directory.fitting(signal, value)?)
             }
-            Order::Force(signal, value) => {
+            RigOrder::Force(signal, value) => {
                 let (channel, name) = terminal(signal)?;
                 match value.as_int() {
                     Some(0) => ScanCommand::Force(channel, false),
@@ -162,18 +164,18 @@ impl LiveRig {
                     _ => return Err(fault::bad_value(name, "TRUE or FALSE")),
                 }
             }
-            Order::Release(signal) => ScanCommand::Release(terminal(signal)?.0),
-            Order::ReleaseAll => ScanCommand::ReleaseAll,
-            Order::Command(action) => ScanCommand::Command(action),
-            Order::Advance(by) => ScanCommand::Advance(by),
+            RigOrder::Release(signal) => ScanCommand::Release(terminal(signal)?.0),
+            RigOrder::ReleaseAll => ScanCommand::ReleaseAll,
+            RigOrder::Command(action) => ScanCommand::Command(action),
+            RigOrder::Advance(by) => ScanCommand::Advance(by),
             // Its words do not go into the scan: the plan waits in its slot.
-            Order::Plan(_) => ScanCommand::Plan,
-            Order::Abort => ScanCommand::Abort,
+            RigOrder::Plan(_) => ScanCommand::Plan,
+            RigOrder::Abort => ScanCommand::Abort,
         })
     }
 
     /// Has a plan read by a thread of its own, which may take its time.
-    fn read_plan(&mut self, ticket: Ticket, name: &str) -> Result<(), Fault> {
+    fn read_plan(&mut self, ticket: Ticket, name: &str) -> Result<(), RequestFault> {
         let bench = self.orders.bench.clone().ok_or_else(fault::no_plans)?;
         if self.reading.is_some() || self.plan.is_some() {
             return Err(fault::plan_runs());
@@ -251,11 +253,11 @@ impl Rig for LiveRig {
         Status { plan: self.plan.clone(), ..self.instruments.status(&self.description) }
     }
 
-    fn find(&mut self, name: &str) -> Result<Signal, Fault> {
+    fn find(&mut self, name: &str) -> Result<Signal, RequestFault> {
         self.directory.find(name)
     }
 
-    fn watch(&mut self, signal: u32) -> Result<(), Fault> {
+    fn watch(&mut self, signal: u32) -> Result<(), RequestFault> {
         let Some((source, _)) = self.directory.source(signal) else {
             return Err(fault::unknown(&signal.to_string(), None));
         };
@@ -305,13 +307,13 @@ impl Rig for LiveRig {
         self.watched.get(source as usize)?.last
     }
 
-    fn plans(&self, path: Option<&str>) -> Result<Vec<String>, Fault> {
+    fn plans(&self, path: Option<&str>) -> Result<Vec<String>, RequestFault> {
         let bench = self.orders.bench.as_ref().ok_or_else(fault::no_plans)?;
         bench.list(path)
     }
 
-    fn order(&mut self, ticket: Ticket, order: Order) -> Result<(), Fault> {
-        if let Order::Plan(name) = &order {
+    fn order(&mut self, ticket: Ticket, order: RigOrder) -> Result<(), RequestFault> {
+        if let RigOrder::Plan(name) = &order {
             return self.read_plan(ticket, name);
         }
         let command = self.command(&order)?;
@@ -377,7 +379,7 @@ impl Rig for LiveRig {
         }
         self.instruments.look_at_host();
         // A rig that is led may wait for room.
-        if self.description.clock == control::Clock::Stepped {
+        if self.description.clock == control::TimeSource::Stepped {
             self.bell.ring();
         }
         if gone && !std::mem::replace(&mut self.ended, true) {

@@ -19,8 +19,8 @@ use crate::hardware::Hardware;
 use crate::scan_port::{PortLimits, ScanPort, Snapshot, queues};
 use crate::test_setup::set_up;
 use ::plans::Case;
-use control::{Clock, Description, Subject};
-use describe::Devices;
+use control::{Description, SubjectKind, TimeSource};
+use describe::DeviceTable;
 use directory::Directory;
 use document::Diagnostic;
 use drivers::BoardExt;
@@ -60,7 +60,7 @@ pub fn open(
         return Err(vec![crate::soft_plc::real_controller(file)]);
     };
     let catalogue = catalogue.of_one_program();
-    let devices = Devices::of(board);
+    let devices = DeviceTable::of(board);
     let points = describe::points(&catalogue, file, board, &devices);
     let channels = describe::channels(&points, board);
     let limits = files.profile.address_limits();
@@ -72,8 +72,8 @@ pub fn open(
         reference: files.reference.name.into(),
         profile: files.profile.name().into(),
         program: files.sources.iter().map(|source| source.name.clone()).collect(),
-        clock: if led { Clock::Stepped } else { Clock::Real },
-        subject: Subject::Model,
+        clock: if led { TimeSource::Stepped } else { TimeSource::Real },
+        subject: SubjectKind::Model,
         points,
         signals: directory.listed(),
         tasks,

@@ -6,7 +6,7 @@ use crate::case_files::CaseFiles;
 use crate::scan_port::{ScanPort, lock};
 use crate::soft_plc::{self, SoftPlcEvent, SoftPlcReport, SoftPlcSettings};
 use crate::suite::{self, FileSource, Job, LoadedPlan};
-use control::{Fault, Measured, PlanEvent};
+use control::{Measured, PlanEvent, RequestFault};
 use document::Diagnostic;
 use drivers::BoardFile;
 use plans::Case;
@@ -67,7 +67,7 @@ impl PlanBench {
     ///
     /// # Errors
     /// There are none.
-    pub fn list(&self, path: Option<&str>) -> Result<Vec<String>, Fault> {
+    pub fn list(&self, path: Option<&str>) -> Result<Vec<String>, RequestFault> {
         let plans = self.source.plans(path).map_err(|why| fault::plan(&why))?;
         if path.is_none() {
             let named = |plan: String| plan.strip_suffix(".toml").map(str::to_owned).unwrap_or(plan);
@@ -86,7 +86,7 @@ impl PlanBench {
     ///
     /// # Errors
     /// A plan that cannot be read, or a case that it does not have.
-    pub fn choose(&self, name: &str) -> Result<ChosenCases, Fault> {
+    pub fn choose(&self, name: &str) -> Result<ChosenCases, RequestFault> {
         let plan = name.split('[').next().unwrap_or(name);
         let plan = plan.strip_suffix(".toml").unwrap_or(plan);
         let loaded = self.load(&format!("{plan}.toml")).map_err(|found| {

@@ -1,14 +1,14 @@
 //! From the last snapshot to a status, with what the scan need not know: how the machine under the rig fares.
 
-use super::describe::Devices;
+use super::describe::DeviceTable;
 use crate::scan_port::{BusCounts, LineCounts, Snapshot, counts};
 use control::{
-    BusStatus, Description, DeviceStatus, Forced, Led as Lit, PointStatus, RigStatus, Status, StatusWarning,
-    TaskStatus, WireValue,
+    BusStatus, Description, DeviceStatus, ForcedPoint, LedStatus as Lit, PointStatus, RigStatus, Status,
+    StatusWarning, TaskStatus, WireValue,
 };
 use controller::{ForcedChannels, FrontPanel, JitterCounts, Led, LedPattern, TaskFigures};
 use drivers::BusState;
-use host::Machine;
+use host::HostMachine;
 use signal::{Address, Area, Span, Time, Value};
 use std::time::{Duration, Instant};
 
@@ -22,7 +22,7 @@ const PER_MILLE: i64 = 1_000_000;
 #[derive(Debug)]
 pub struct StatusSource {
     snapshot: Box<Snapshot>,
-    devices: Devices,
+    devices: DeviceTable,
     /// The channel behind each point.
     channels: Vec<Option<usize>>,
     /// Since when each indicator shows what it shows, and what.
@@ -38,7 +38,7 @@ impl StatusSource {
     /// Of a board with these devices.
     pub fn new(
         snapshot: Snapshot,
-        devices: Devices,
+        devices: DeviceTable,
         channels: Vec<Option<usize>>,
         real: bool,
         realtime: bool,
@@ -50,7 +50,7 @@ impl StatusSource {
             leds: [(LedPattern::Off, Time::ZERO); Led::ALL.len()],
             real,
             realtime,
-            throttle: Throttle::new(Machine::here()),
+            throttle: Throttle::new(HostMachine::here()),
         }
     }
 
@@ -188,9 +188,9 @@ fn task(figures: &TaskFigures, jitter: &JitterCounts) -> TaskStatus {
     }
 }
 
-fn forced(front: &FrontPanel) -> Vec<Forced> {
+fn forced(front: &FrontPanel) -> Vec<ForcedPoint> {
     let of = |area: Area, channels: ForcedChannels| {
-        channels.iter().map(move |(channel, on)| Forced {
+        channels.iter().map(move |(channel, on)| ForcedPoint {
             address: Address::bit(area, channel as u32).to_string(),
             value: WireValue(Value::Bool(on)),
             by: None,
@@ -224,7 +224,7 @@ fn bus(traffic: &BusCounts) -> BusStatus {
 /// Whether the machine makes its processors slower than they can be.
 #[derive(Debug)]
 struct Throttle {
-    machine: Machine,
+    machine: HostMachine,
     looked: Option<Instant>,
     /// How often they had been throttled when the rig began.
     before: Option<u64>,
@@ -232,7 +232,7 @@ struct Throttle {
 }
 
 impl Throttle {
-    fn new(machine: Machine) -> Throttle {
+    fn new(machine: HostMachine) -> Throttle {
         Throttle { machine, looked: None, before: None, found: None }
     }
 

@@ -5,7 +5,7 @@ use crate::codes;
 use document::Diagnostic;
 use plans::Case;
 use plans::alarm::AlarmWatch;
-use signal::{Kind, SignalId, SignalInfo, Trace};
+use signal::{SignalId, SignalInfo, Trace, ValueKind};
 
 /// An alarm that is watched while its case runs.
 #[derive(Clone, Debug)]
@@ -45,7 +45,7 @@ pub(super) fn alarms(
                 continue;
             }
         };
-        match trace.define(SignalInfo::exact(format!("alarm:{}", alarm.name), Kind::Mark)) {
+        match trace.define(SignalInfo::exact(format!("alarm:{}", alarm.name), ValueKind::Mark)) {
             Ok(mark) => {
                 armed.push(ArmedAlarm { name: alarm.name.clone(), signal, mark, watch, ends: alarm.ends });
             }

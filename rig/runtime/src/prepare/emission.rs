@@ -2,13 +2,13 @@
 
 use super::TestBench;
 use super::lines::of_controller;
-use super::meaning::{Meaning, SignalMeanings};
+use super::meaning::{NameMeaning, SignalMeanings};
 use crate::codes;
-use crate::generator::{EmissionError, EmittedPulses, Generator, Shape};
+use crate::generator::{EmissionError, EmittedPulses, StimulusGenerator, Waveform};
 use document::Findings;
 use drivers::{ChannelId, Emission, NotEmitted, PulseCapability};
 use plans::PlanStep;
-use plans::steps::{PeriodicWave, Stimulus, WaveShape};
+use plans::steps::{PeriodicWave, Stimulus, StimulusShape};
 use signal::{Area, Span};
 
 /// The channel of a line that makes pulses by itself, with what it can emit.
@@ -17,7 +17,7 @@ pub(super) fn emitting(
     names: &SignalMeanings<'_>,
     bench: &TestBench<'_>,
 ) -> Option<(ChannelId, PulseCapability)> {
-    let Some(Meaning::Channel(channel, _)) = names.meaning(name) else { return None };
+    let Some(NameMeaning::Channel(channel, _)) = names.meaning(name) else { return None };
     let emits = bench.board.channels().get(usize::from(channel.0))?.emits?;
     (!of_controller(channel, bench)).then_some((channel, emits))
 }
@@ -25,12 +25,12 @@ pub(super) fn emitting(
 /// What a step does on a line, as pulses that the channel makes by itself. Where it cannot, a channel that also takes
 /// levels is driven level by level by what is not made of pulses.
 pub(super) fn by_itself(
-    generator: Generator,
+    generator: StimulusGenerator,
     step: &PlanStep,
     names: &SignalMeanings<'_>,
     bench: &TestBench<'_>,
     out: &mut Findings,
-) -> Option<Generator> {
+) -> Option<StimulusGenerator> {
     let lines: Vec<&str> = step.stimulus.signals();
     let found = lines.iter().find_map(|name| emitting(name, names, bench).map(|found| (*name, found)));
     let Some((name, (channel, emits))) = found else { return Some(generator) };
@@ -56,7 +56,7 @@ pub(super) fn by_itself(
         return None;
     }
     match made(&generator, channel, &emits, step) {
-        Ok(emitted) => Some(Generator::Emitted(emitted)),
+        Ok(emitted) => Some(StimulusGenerator::Emitted(emitted)),
         Err(why) => {
             let message = format!("`{name}` cannot emit this: {}", words(why));
             out.error(codes::PULSES_NOT_EMITTED, step.span.clone(), message, fix(why, &emits, step));
@@ -74,20 +74,22 @@ fn feeds_model(channel: ChannelId, bench: &TestBench<'_>) -> bool {
 }
 
 fn made(
-    generator: &Generator,
+    generator: &StimulusGenerator,
     channel: ChannelId,
     emits: &PulseCapability,
     step: &PlanStep,
 ) -> Result<EmittedPulses, EmissionError> {
     let (lasts, counted) = match &step.stimulus {
         Stimulus::Wave(wave) => match &wave.shape {
-            WaveShape::Square { periodic: PeriodicWave { count, .. }, .. } => (wave.lasts, count.is_some()),
+            StimulusShape::Square { periodic: PeriodicWave { count, .. }, .. } => {
+                (wave.lasts, count.is_some())
+            }
             _ => (wave.lasts, false),
         },
         stimulus => (Some(stimulus.duration()), true),
     };
-    if let (Generator::Wave { curve, .. }, false) = (generator, counted)
-        && let Shape::Square { cycle, phase, duty, .. } = &curve.shape
+    if let (StimulusGenerator::Wave { curve, .. }, false) = (generator, counted)
+        && let Waveform::Square { cycle, phase, duty, .. } = &curve.shape
         && (emits.endless || lasts.is_none())
     {
         if *phase != 0 {

@@ -8,7 +8,7 @@ use controller::{FileProbe, Probe, RegisterProbe, RelocationPart};
 use document::Findings;
 use plans::Case;
 use plans::signals::{FileFigure, RowFigure, SignalBinding, SignalSource};
-use signal::Kind;
+use signal::ValueKind;
 
 /// What a bound name is, where it stands for files, the log or registers: these the subject has to know of.
 pub(super) fn observable(
@@ -20,21 +20,21 @@ pub(super) fn observable(
     let mut ask = |fact, kind| Observable { probe: bench.subject.file_probe(fact), kind };
     let register = |fact, kind| Observable { probe: Probe::Register(fact), kind };
     let found = match &binding.source {
-        SignalSource::Log(text) => ask(FileProbe::Log(text.clone()), Kind::Int),
+        SignalSource::Log(text) => ask(FileProbe::Log(text.clone()), ValueKind::Int),
         SignalSource::File { path, asks } => {
             let path = path.clone();
             match asks {
-                FileFigure::Exists => ask(FileProbe::Exists(path), Kind::Bool),
-                FileFigure::Holds(text) => ask(FileProbe::Holds(path, text.clone()), Kind::Bool),
-                FileFigure::Size => ask(FileProbe::Size(path), Kind::Int),
-                FileFigure::Lost => ask(FileProbe::Lost(path), Kind::Int),
+                FileFigure::Exists => ask(FileProbe::Exists(path), ValueKind::Bool),
+                FileFigure::Holds(text) => ask(FileProbe::Holds(path, text.clone()), ValueKind::Bool),
+                FileFigure::Size => ask(FileProbe::Size(path), ValueKind::Int),
+                FileFigure::Lost => ask(FileProbe::Lost(path), ValueKind::Int),
             }
         }
         SignalSource::Register { register: number, exception: false } => {
-            register(RegisterProbe::Value(*number), Kind::Word)
+            register(RegisterProbe::Value(*number), ValueKind::Word)
         }
         SignalSource::Register { register: number, exception: true } => {
-            register(RegisterProbe::Exception(*number), Kind::Int)
+            register(RegisterProbe::Exception(*number), ValueKind::Int)
         }
         SignalSource::Relocation { row, figure } => {
             let parts =
@@ -54,9 +54,9 @@ pub(super) fn observable(
                 return Some(None);
             };
             match figure {
-                RowFigure::Address => register(RegisterProbe::Address(part, place), Kind::Int),
-                RowFigure::Length => register(RegisterProbe::Length(part, place), Kind::Int),
-                RowFigure::Valid => register(RegisterProbe::Valid(part, place), Kind::Bool),
+                RowFigure::Address => register(RegisterProbe::Address(part, place), ValueKind::Int),
+                RowFigure::Length => register(RegisterProbe::Length(part, place), ValueKind::Int),
+                RowFigure::Valid => register(RegisterProbe::Valid(part, place), ValueKind::Bool),
             }
         }
         _ => return None,

@@ -6,11 +6,11 @@ use crate::functions::configure;
 use document::Diagnostic;
 use drivers::{Channel, TimestampSource};
 use expert::{AxisConfig, FunctionKind, WaveConfig};
-use plans::plan::{FunctionSettings, Settings};
+use plans::plan::{FunctionSettings, PlanSettings};
 use profile::IoChannel;
 
 /// What the lines behind the outputs of the functions cannot do, and what they do not promise.
-pub(super) fn on_lines(settings: &Settings, plan: &str, bench: &TestBench<'_>) -> Vec<Diagnostic> {
+pub(super) fn on_lines(settings: &PlanSettings, plan: &str, bench: &TestBench<'_>) -> Vec<Diagnostic> {
     if bench.file.subject.is_external() {
         return Vec::new();
     }

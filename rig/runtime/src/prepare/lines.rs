@@ -1,7 +1,7 @@
 //! The channels and terminals that steps act on, and what these can take.
 
 use super::TestBench;
-use super::meaning::{Meaning, SignalMeanings};
+use super::meaning::{NameMeaning, SignalMeanings};
 use super::signals::channel_info;
 use crate::codes;
 use crate::observable::Observable;
@@ -24,7 +24,7 @@ pub(super) fn line(
     step: &PlanStep,
     out: &mut Findings,
 ) -> Option<ChannelId> {
-    if let Some(Meaning::Channel(channel, _)) = names.meaning(name) {
+    if let Some(NameMeaning::Channel(channel, _)) = names.meaning(name) {
         return Some(channel);
     }
     // A name that means nothing at all was reported where it is bound.
@@ -85,12 +85,12 @@ pub(super) fn embedded_channel(
     out: &mut Findings,
 ) -> Option<IoChannel> {
     let address = match names.meaning(name)? {
-        Meaning::Channel(_, Some(address)) => Some(address),
-        Meaning::Channel(channel, None) => {
+        NameMeaning::Channel(_, Some(address)) => Some(address),
+        NameMeaning::Channel(channel, None) => {
             bench.file.bind.iter().find(|binding| binding.channel == channel).map(|binding| binding.address)
         }
-        Meaning::Inside(Observable { probe: Probe::Address(address), .. }) => Some(address),
-        Meaning::Inside(_) | Meaning::OfBus => None,
+        NameMeaning::Inside(Observable { probe: Probe::Address(address), .. }) => Some(address),
+        NameMeaning::Inside(_) | NameMeaning::OfBus => None,
     };
     let channel = address.and_then(|address| IoChannel::at(address, bench.reference));
     if channel.is_none() {

@@ -10,11 +10,11 @@ use document::Findings;
 use drivers::{BoardExt, ChannelId};
 use plans::signals::{SignalBinding, SignalSource, TaskFigure};
 use profile::IoChannel;
-use signal::{Address, Kind, SignalId};
+use signal::{Address, SignalId, ValueKind};
 
 /// What a name turned out to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Meaning {
+pub(super) enum NameMeaning {
     /// A channel, and the terminal where it was named by one: several inputs may share a channel.
     Channel(ChannelId, Option<Address>),
     Inside(Observable),
@@ -23,13 +23,17 @@ pub(super) enum Meaning {
 }
 
 /// What a bound name is on this bench.
-pub(super) fn meaning(binding: &SignalBinding, bench: &TestBench<'_>, out: &mut Findings) -> Option<Meaning> {
+pub(super) fn meaning(
+    binding: &SignalBinding,
+    bench: &TestBench<'_>,
+    out: &mut Findings,
+) -> Option<NameMeaning> {
     let at = binding.span.clone();
-    let inside = |name: &str| bench.subject.observable(name).map(Meaning::Inside);
+    let inside = |name: &str| bench.subject.observable(name).map(NameMeaning::Inside);
     let found = match &binding.source {
         SignalSource::Line(address) => {
             let channel = bench.file.channel_of(*address);
-            channel.map(|channel| Meaning::Channel(channel, Some(*address))).or_else(|| {
+            channel.map(|channel| NameMeaning::Channel(channel, Some(*address))).or_else(|| {
                 // A terminal that the reference does not have is no line; nor is one that the board leaves open.
                 let known = IoChannel::at(*address, bench.reference).is_some()
                     || bench.subject.terminal(*address).is_some();
@@ -50,7 +54,7 @@ pub(super) fn meaning(binding: &SignalBinding, bench: &TestBench<'_>, out: &mut 
             inside(&address.to_string())?
         }
         SignalSource::Channel(name) => match bench.board.find(name) {
-            Some(channel) => Meaning::Channel(channel, None),
+            Some(channel) => NameMeaning::Channel(channel, None),
             None => {
                 let channels = bench.board.channels().iter().map(|channel| channel.name.as_str());
                 let help = suggestion(name, channels);
@@ -59,7 +63,7 @@ pub(super) fn meaning(binding: &SignalBinding, bench: &TestBench<'_>, out: &mut 
             }
         },
         SignalSource::Path(path) => {
-            let channel = || bench.board.find(path).map(|channel| Meaning::Channel(channel, None));
+            let channel = || bench.board.find(path).map(|channel| NameMeaning::Channel(channel, None));
             let Some(found) = inside(path).or_else(channel) else {
                 if let Some((message, help)) = element(path, bench) {
                     out.error(codes::UNKNOWN_NAME, at, message, help);
@@ -81,8 +85,8 @@ pub(super) fn meaning(binding: &SignalBinding, bench: &TestBench<'_>, out: &mut 
                 return None;
             };
             let probe = Probe::TaskFigure { task: place, figure: figure_of(*figure) };
-            let kind = if *figure == TaskFigure::Load { Kind::Real } else { Kind::Int };
-            Meaning::Inside(Observable { probe, kind })
+            let kind = if *figure == TaskFigure::Load { ValueKind::Real } else { ValueKind::Int };
+            NameMeaning::Inside(Observable { probe, kind })
         }
         // These were looked at before.
         SignalSource::Log(_)
@@ -147,7 +151,7 @@ const fn figure_of(figure: TaskFigure) -> controller::TaskFigure {
 
 /// The names of a case with what they mean.
 pub(super) struct SignalMeanings<'a> {
-    pub(super) list: &'a [(String, Meaning, SignalId)],
+    pub(super) list: &'a [(String, NameMeaning, SignalId)],
     pub(super) state: Option<SignalId>,
 }
 
@@ -159,7 +163,7 @@ impl SignalMeanings<'_> {
         self.list.iter().find(|(known, ..)| known == name).map(|(.., signal)| *signal)
     }
 
-    pub(super) fn meaning(&self, name: &str) -> Option<Meaning> {
+    pub(super) fn meaning(&self, name: &str) -> Option<NameMeaning> {
         self.list.iter().find(|(known, ..)| known == name).map(|(_, meaning, _)| *meaning)
     }
 }

@@ -12,7 +12,7 @@ mod waves;
 
 use crate::external::NOT_RUNNING;
 use crate::file_source::beside;
-use crate::frames::{self, Watch};
+use crate::frames::{self, FrameWatch};
 use crate::ports;
 use crate::schedule::{Act, PlannedStep};
 use crate::subject::{Subject, SubjectExt};
@@ -20,13 +20,13 @@ use crate::wiring::Wiring;
 use controller::{Probe, State};
 use document::{Diagnostic, Findings};
 use drivers::{Board, BoardFile};
-use meaning::{Meaning, SignalMeanings, meaning};
+use meaning::{NameMeaning, SignalMeanings, meaning};
 use plans::Case;
 use plans::signals::{SignalBinding, SignalSource};
 use plans::steps::{CasePart, ProgramRef};
 use plans::steps::{Question, Stimulus};
 use profile::{Profile, Reference};
-use signal::{Kind, SignalId, SignalInfo, Span, Trace};
+use signal::{SignalId, SignalInfo, Span, Trace, ValueKind};
 use signals::{channel_info, clocked, define, policy};
 use std::sync::Arc;
 use steps::plan_step;
@@ -64,7 +64,7 @@ impl std::fmt::Debug for TestBench<'_> {
 
 /// A case with every name resolved.
 #[derive(Debug)]
-pub struct Prepared {
+pub struct PreparedCase {
     /// The trace with its signals defined.
     pub trace: Trace,
     /// Who is behind whom.
@@ -91,13 +91,13 @@ pub(crate) fn state_info(file: &BoardFile) -> SignalInfo {
         let (number, name) = NOT_RUNNING;
         labels.push((number, name.to_owned()));
     }
-    SignalInfo { labels, ..SignalInfo::exact("state", Kind::State) }
+    SignalInfo { labels, ..SignalInfo::exact("state", ValueKind::State) }
 }
 
 /// The signal that shows what was answered.
 fn answers(step: &str, question: &Question) -> SignalInfo {
     let labels = question.answers.iter().enumerate().map(|(place, answer)| (place as i64, answer.clone()));
-    SignalInfo { labels: labels.collect(), ..SignalInfo::exact(format!("answer:{step}"), Kind::State) }
+    SignalInfo { labels: labels.collect(), ..SignalInfo::exact(format!("answer:{step}"), ValueKind::State) }
 }
 
 /// Resolves the names of a case and defines its signals in `trace`.
@@ -109,7 +109,7 @@ pub fn prepare(
     plan: &document::SourceFile,
     mut trace: Trace,
     bench: &mut TestBench<'_>,
-) -> Result<Prepared, Vec<Diagnostic>> {
+) -> Result<PreparedCase, Vec<Diagnostic>> {
     let mut out = Findings::new(plan, plans::TOML);
     let mut wiring = Wiring::of(bench.file, &*bench.subject, bench.board.channels().len());
     if !bench.file.subject.is_external() {
@@ -133,7 +133,7 @@ pub fn prepare(
     }
     let Signals { names, probes } = signals;
     for (mark, place) in [("step:start", &mut wiring.start), ("step:end", &mut wiring.end)] {
-        *place = define(&mut trace, SignalInfo::exact(mark, Kind::Mark), &mut out);
+        *place = define(&mut trace, SignalInfo::exact(mark, ValueKind::Mark), &mut out);
     }
     for (phase, mark, place) in [
         (CasePart::Setup, "step:main", &mut wiring.main),
@@ -141,14 +141,18 @@ pub fn prepare(
         (CasePart::Teardown, "step:teardown.done", &mut wiring.closed),
     ] {
         if case.steps.iter().any(|step| step.part == phase) {
-            *place = define(&mut trace, SignalInfo::exact(mark, Kind::Mark), &mut out);
+            *place = define(&mut trace, SignalInfo::exact(mark, ValueKind::Mark), &mut out);
         }
     }
     let mut steps = Vec::new();
     for step in &case.steps {
-        let mark = define(&mut trace, SignalInfo::exact(format!("step:{}", step.id), Kind::Mark), &mut out);
-        let done =
-            define(&mut trace, SignalInfo::exact(format!("step:{}.done", step.id), Kind::Mark), &mut out);
+        let mark =
+            define(&mut trace, SignalInfo::exact(format!("step:{}", step.id), ValueKind::Mark), &mut out);
+        let done = define(
+            &mut trace,
+            SignalInfo::exact(format!("step:{}.done", step.id), ValueKind::Mark),
+            &mut out,
+        );
         let (Some(mark), Some(done)) = (mark, done) else { continue };
         let answer = match &step.stimulus {
             Stimulus::Ask(question) => define(&mut trace, answers(&step.id, question), &mut out),
@@ -173,13 +177,13 @@ pub fn prepare(
     if found.iter().any(Diagnostic::is_error) {
         return Err(found);
     }
-    Ok(Prepared { trace, wiring, steps, probes, alarms, warnings: found })
+    Ok(PreparedCase { trace, wiring, steps, probes, alarms, warnings: found })
 }
 
 /// The signals of a case as they are defined.
 #[derive(Default)]
 struct Signals {
-    names: Vec<(String, Meaning, SignalId)>,
+    names: Vec<(String, NameMeaning, SignalId)>,
     probes: Vec<(Probe, SignalId)>,
 }
 
@@ -198,17 +202,17 @@ impl Signals {
             return;
         }
         let found = file_signals::observable(binding, case, bench, out);
-        let found = found.map(|found| found.map(Meaning::Inside));
+        let found = found.map(|found| found.map(NameMeaning::Inside));
         let Some(meaning) = found.unwrap_or_else(|| meaning(binding, bench, out)) else { return };
         let mut own = 0.0;
         let info = match meaning {
-            Meaning::Channel(channel, _) => {
+            NameMeaning::Channel(channel, _) => {
                 let channel = &bench.board.channels()[usize::from(channel.0)];
                 own = channel.deadband;
                 channel_info(&binding.name, channel)
             }
-            Meaning::OfBus => return,
-            Meaning::Inside(observable) => SignalInfo {
+            NameMeaning::OfBus => return,
+            NameMeaning::Inside(observable) => SignalInfo {
                 labels: observable.labels(),
                 ..SignalInfo::exact(&binding.name, observable.kind)
             },
@@ -217,9 +221,9 @@ impl Signals {
         let info = clocked(SignalInfo { policy, ..info }, bench.exact);
         let Some(signal) = define(trace, info, out) else { return };
         match meaning {
-            Meaning::Channel(channel, _) => wiring.channels[usize::from(channel.0)].push(signal),
-            Meaning::OfBus => {}
-            Meaning::Inside(observable) => {
+            NameMeaning::Channel(channel, _) => wiring.channels[usize::from(channel.0)].push(signal),
+            NameMeaning::OfBus => {}
+            NameMeaning::Inside(observable) => {
                 let probe = bench.subject.watch(observable.probe);
                 wiring.show_probe(probe, signal);
                 self.probes.push((observable.probe, signal));
@@ -254,11 +258,11 @@ impl Signals {
         wiring.follow(
             bus,
             match &binding.source {
-                SignalSource::FrameSignal(source) => Watch::reading(signal, source),
-                _ => Watch::counting(signal, Arc::new(pattern.clone())),
+                SignalSource::FrameSignal(source) => FrameWatch::reading(signal, source),
+                _ => FrameWatch::counting(signal, Arc::new(pattern.clone())),
             },
         );
-        self.names.push((binding.name.clone(), Meaning::OfBus, signal));
+        self.names.push((binding.name.clone(), NameMeaning::OfBus, signal));
         true
     }
 }

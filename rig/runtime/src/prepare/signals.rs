@@ -4,7 +4,7 @@ use crate::codes;
 use document::Findings;
 use drivers::{Channel, ChannelKind, TimestampSource};
 use plans::signals::{RecordingPolicy, SignalBinding};
-use signal::{ClockDomain, Kind, Policy, Sampling, SignalId, SignalInfo, Trace, TraceError, Value};
+use signal::{ClockDomain, Policy, Sampling, SignalId, SignalInfo, Trace, TraceError, Value, ValueKind};
 
 /// Which changes of a bound signal the trace keeps. `own` is the deadband that its channel has on the board: what is
 /// not reported is not known, and a second filter after it would leave more unknown than one number says.
@@ -32,10 +32,12 @@ pub(super) fn policy(
         RecordingPolicy::Deadband(band) => band,
     };
     let (message, help) = match (info.kind, plans::value_of(band, info).ok().and_then(Value::as_real)) {
-        (Kind::Int | Kind::Word | Kind::Real, Some(band)) if band > 0.0 && band.is_finite() => {
+        (ValueKind::Int | ValueKind::Word | ValueKind::Real, Some(band))
+            if band > 0.0 && band.is_finite() =>
+        {
             return Some(Policy::Deadband(band));
         }
-        (Kind::Int | Kind::Word | Kind::Real, _) => {
+        (ValueKind::Int | ValueKind::Word | ValueKind::Real, _) => {
             let unit = if info.unit.is_empty() {
                 String::from("without a unit")
             } else {
@@ -82,9 +84,9 @@ pub(super) fn clocked(mut info: SignalInfo, exact: bool) -> SignalInfo {
 
 pub(super) fn channel_info(name: &str, channel: &Channel) -> SignalInfo {
     let kind = match channel.kind {
-        ChannelKind::Digital => Kind::Bool,
-        ChannelKind::Analog { .. } => Kind::Real,
-        ChannelKind::Count => Kind::Int,
+        ChannelKind::Digital => ValueKind::Bool,
+        ChannelKind::Analog { .. } => ValueKind::Real,
+        ChannelKind::Count => ValueKind::Int,
     };
     let sampling = match channel.timestamp {
         TimestampSource::Sampled { period } => Sampling::Sampled { period },

@@ -2,7 +2,7 @@
 
 use super::TestBench;
 use super::lines::{driven, embedded_channel, fault_kind, line, of_controller, value_for};
-use super::meaning::{Meaning, SignalMeanings, known_tasks, suggestion};
+use super::meaning::{NameMeaning, SignalMeanings, known_tasks, suggestion};
 use super::waves::generator;
 use crate::catalogue::Catalogue;
 use crate::codes;
@@ -17,7 +17,7 @@ use plans::steps::ProgramRef;
 use plans::steps::Stimulus;
 use plans::{PlanStep, StepTime};
 use profile::IoChannel;
-use signal::{Address, Kind, SignalId, SignalInfo, Span, Trace, Value};
+use signal::{Address, SignalId, SignalInfo, Span, Trace, Value, ValueKind};
 
 pub(super) fn plan_step(
     step: &PlanStep,
@@ -81,13 +81,13 @@ pub(super) fn plan_step(
         }
         Stimulus::Write { of, value } => {
             let observable = match names.meaning(of)? {
-                Meaning::Inside(observable) => observable,
-                Meaning::OfBus => {
+                NameMeaning::Inside(observable) => observable,
+                NameMeaning::OfBus => {
                     let help = "a value in a frame is put on its bus with `send`";
                     out.error(codes::NOT_WRITABLE, step.span.clone(), format!("`{of}` is no variable"), help);
                     return None;
                 }
-                Meaning::Channel(channel, _) => {
+                NameMeaning::Channel(channel, _) => {
                     let message = format!("`{of}` is no variable and no place in memory");
                     let help = match of_controller(channel, bench) {
                         true => "an output of the controller is driven from outside with `force`",
@@ -108,7 +108,7 @@ pub(super) fn plan_step(
                 out.error(codes::VALUE_MISFIT, step.span.clone(), format!("`{of}` takes a plain number"), "");
                 return None;
             };
-            if matches!(value, Value::Real(_)) && observable.kind != Kind::Real {
+            if matches!(value, Value::Real(_)) && observable.kind != ValueKind::Real {
                 let help = "only a REAL or LREAL has a value with a part after the point";
                 out.error(
                     codes::VALUE_MISFIT,

@@ -6,11 +6,11 @@ use super::lines::{driven, warn_if_not_promised, warn_if_too_fast};
 use super::meaning::SignalMeanings;
 use crate::codes;
 use crate::frames;
-use crate::generator::{Band, Curve, Form, Generator, Rows, Shape, TableValue};
+use crate::generator::{Band, Curve, Form, Rows, StimulusGenerator, TableValue, Waveform};
 use document::Findings;
 use drivers::ChannelId;
 use plans::PlanStep;
-use plans::steps::{Encoder, PeriodicWave, Sequence, Stimulus, Wave, WaveShape};
+use plans::steps::{Encoder, PeriodicWave, Sequence, Stimulus, StimulusShape, WaveStimulus};
 use plans::table::Cell;
 use signal::{Decimal, Quantity, QuantityRange, Random, Unit, Value};
 
@@ -23,7 +23,7 @@ pub(super) fn generator(
     names: &SignalMeanings<'_>,
     bench: &TestBench<'_>,
     out: &mut Findings,
-) -> Option<Generator> {
+) -> Option<StimulusGenerator> {
     by_itself(by_rig(step, names, bench, out)?, step, names, bench, out)
 }
 
@@ -33,7 +33,7 @@ fn by_rig(
     names: &SignalMeanings<'_>,
     bench: &TestBench<'_>,
     out: &mut Findings,
-) -> Option<Generator> {
+) -> Option<StimulusGenerator> {
     match &step.stimulus {
         Stimulus::Train(train) => {
             let channel = pulsed(&train.signal, names, bench, step, out)?;
@@ -41,7 +41,7 @@ fn by_rig(
             let high = train.falls(1);
             let shortest = high.min(train.rises(2) - high) - train.jitter - train.jitter;
             warn_if_not_promised(channel, shortest, bench, step, out);
-            Some(Generator::Train { channel, train: train.clone(), seed: bench.seed })
+            Some(StimulusGenerator::Train { channel, train: train.clone(), seed: bench.seed })
         }
         Stimulus::Wave(wave) => {
             let channel = pulsed(&wave.signal, names, bench, step, out)?;
@@ -49,11 +49,11 @@ fn by_rig(
                 warn_if_too_fast(channel, rate, bench, step, out);
                 warn_if_not_promised(channel, wave.shortest(), bench, step, out);
             }
-            Some(Generator::Wave { channel, curve: curve(wave, channel, bench, step, out)? })
+            Some(StimulusGenerator::Wave { channel, curve: curve(wave, channel, bench, step, out)? })
         }
         Stimulus::Encoder(encoder) => {
             let lines = encoder_lines(encoder, names, bench, step, out)?;
-            Some(Generator::Encoder { lines, encoder: encoder.clone() })
+            Some(StimulusGenerator::Encoder { lines, encoder: encoder.clone() })
         }
         Stimulus::Sequence(sequence) => {
             let columns = sequence.columns.iter().map(|(column, name)| {
@@ -61,7 +61,7 @@ fn by_rig(
                 Some((channel, values(sequence, *column, channel, bench, step, out)?))
             });
             let columns: Option<Vec<_>> = columns.collect();
-            Some(Generator::Sequence(Rows::new(sequence, columns?)))
+            Some(StimulusGenerator::Sequence(Rows::new(sequence, columns?)))
         }
         Stimulus::Send(send) => {
             // A case that sends on a bus which the board lacks does not come here.
@@ -72,7 +72,7 @@ fn by_rig(
                 out.error(codes::FRAME_NOT_CARRIED, step.span.clone(), why, help);
             });
             let seed = seed_of(bench.seed, &step.id);
-            Some(Generator::Frames { bus, frame: frame.ok()?, send: send.clone(), seed })
+            Some(StimulusGenerator::Frames { bus, frame: frame.ok()?, send: send.clone(), seed })
         }
         _ => None,
     }
@@ -190,18 +190,19 @@ fn carries(channel: ChannelId, bench: &TestBench<'_>) -> String {
 
 /// A wave with its values in the unit of its channel.
 fn curve(
-    wave: &Wave,
+    wave: &WaveStimulus,
     channel: ChannelId,
     bench: &TestBench<'_>,
     step: &PlanStep,
     out: &mut Findings,
 ) -> Option<Curve> {
-    let level = matches!(&wave.shape, WaveShape::Square { periodic: PeriodicWave { range: None, .. }, .. });
+    let level =
+        matches!(&wave.shape, StimulusShape::Square { periodic: PeriodicWave { range: None, .. }, .. });
     if level != is_level(channel, bench) {
         let message = format!("`{}` has {}", wave.signal, carries(channel, bench));
         let help = match (level, &wave.shape) {
             (true, _) => "give the square wave a `range`, as in range = \"0 .. 10 V\"",
-            (false, WaveShape::Square { .. }) => "leave out the `range`: the wave is FALSE and TRUE then",
+            (false, StimulusShape::Square { .. }) => "leave out the `range`: the wave is FALSE and TRUE then",
             _ => "a level is driven with `square`, `train`, `pulse` or `set`",
         };
         out.error(codes::VALUE_MISFIT, step.span.clone(), message, help);
@@ -213,19 +214,19 @@ fn curve(
         Some(Band::new(min?, max?))
     };
     let shape = match &wave.shape {
-        WaveShape::Ramp { from: Some(from), to } => {
+        StimulusShape::Ramp { from: Some(from), to } => {
             let (from, to) = (number(from)?, number(to)?);
-            Shape::Ramp { band: Band::new(from, to), fixed: true }
+            Waveform::Ramp { band: Band::new(from, to), fixed: true }
         }
-        WaveShape::Ramp { from: None, to } => {
+        StimulusShape::Ramp { from: None, to } => {
             let to = number(to)?;
-            Shape::Ramp { band: Band::new(to, to), fixed: false }
+            Waveform::Ramp { band: Band::new(to, to), fixed: false }
         }
-        WaveShape::Sine(periodic) => shape(Form::Sine, periodic, band(periodic.range.as_ref()?)?),
-        WaveShape::Triangle { periodic, rise } => {
+        StimulusShape::Sine(periodic) => shape(Form::Sine, periodic, band(periodic.range.as_ref()?)?),
+        StimulusShape::Triangle { periodic, rise } => {
             shape(Form::Triangle(*rise), periodic, band(periodic.range.as_ref()?)?)
         }
-        WaveShape::Square { periodic, duty } => Shape::Square {
+        StimulusShape::Square { periodic, duty } => Waveform::Square {
             band: match &periodic.range {
                 Some(range) => Some(band(range)?),
                 None => None,
@@ -235,7 +236,7 @@ fn curve(
             // The parts of a phase are finer by this.
             duty: duty * (PeriodicWave::WHOLE / 1_000_000),
         },
-        WaveShape::Noise { range, deviation } => Shape::Noise {
+        StimulusShape::Noise { range, deviation } => Waveform::Noise {
             band: band(range)?,
             deviation: match deviation {
                 Some(deviation) => Some(number(deviation)?.as_f64()),
@@ -247,8 +248,8 @@ fn curve(
     Some(Curve { shape, lasts: wave.lasts, sample: wave.sample })
 }
 
-fn shape(form: Form, periodic: &PeriodicWave, band: Band) -> Shape {
-    Shape::Periodic {
+fn shape(form: Form, periodic: &PeriodicWave, band: Band) -> Waveform {
+    Waveform::Periodic {
         form,
         band,
         cycle: periodic.cycle,

@@ -5,9 +5,10 @@ mod port;
 mod queues;
 mod snapshot;
 
-pub use port::{PortLimits, Role, ScanPort};
+pub use port::{ExecutorRole, PortLimits, ScanPort};
 pub use queues::{
-    HandleEnd, Outcome, ScanCommand, ScanCommandError, ScanEnd, ScanEvent, ScanRequest, Source, queues,
+    HandleEnd, ObservedSource, OrderOutcome, ScanCommand, ScanCommandError, ScanEnd, ScanEvent, ScanRequest,
+    queues,
 };
 pub use snapshot::{BusCounts, LineCounts, Snapshot, counts};
 

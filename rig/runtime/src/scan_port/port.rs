@@ -2,7 +2,9 @@
 //!
 //! Only a rig whose time clients lead waits: for what they ask, and for room where they do not take what it reports.
 
-use super::queues::{Outcome, ScanCommand, ScanCommandError, ScanEnd, ScanEvent, ScanRequest, Source};
+use super::queues::{
+    ObservedSource, OrderOutcome, ScanCommand, ScanCommandError, ScanEnd, ScanEvent, ScanRequest,
+};
 use super::snapshot::{LineCounts, Snapshot};
 use control::PlanEvent;
 use controller::{JITTER_BORDERS, ProbeId};
@@ -47,7 +49,7 @@ pub struct ScanPort {
     /// Waits that end later than this are overruns.
     late: Span,
     /// What is watched, by source.
-    watched: Vec<Option<(Source, ProbeId)>>,
+    watched: Vec<Option<(ObservedSource, ProbeId)>>,
     /// The source of each probe.
     probes: Vec<u32>,
     channels: Vec<LastSeen>,
@@ -57,7 +59,7 @@ pub struct ScanPort {
     /// Something may be otherwise than in the last snapshot of a rig whose time stands still.
     stale: bool,
     /// What the executor is for that serves it.
-    role: Role,
+    role: ExecutorRole,
     /// The rig's time at the beginning of the executor's.
     base: Span,
     /// The host's time when the rig began, in nanoseconds.
@@ -71,7 +73,7 @@ pub struct ScanPort {
 
 /// What an executor is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
+pub enum ExecutorRole {
     /// It keeps a controller running.
     Rig,
     /// It runs a case.
@@ -108,7 +110,7 @@ impl ScanPort {
             now: snapshot,
             next: Time::ZERO,
             stale: true,
-            role: Role::Rig,
+            role: ExecutorRole::Rig,
             base: Span::ZERO,
             began: None,
             last: Time::ZERO,
@@ -133,12 +135,12 @@ impl ScanPort {
     }
 
     /// An executor begins at its time 0. What was watched before is to be watched again in its controller.
-    pub(crate) fn begin(&mut self, role: Role, mut watch: impl FnMut(Source) -> ProbeId) {
+    pub(crate) fn begin(&mut self, role: ExecutorRole, mut watch: impl FnMut(ObservedSource) -> ProbeId) {
         let now = HostInstant::now();
         let began = *self.began.get_or_insert(now);
         self.base = if self.led { self.last - Time::ZERO } else { now - began };
         (self.role, self.next) = (role, Time::ZERO);
-        self.until = if self.led && role == Role::Rig { Time::ZERO } else { Time::MAX };
+        self.until = if self.led && role == ExecutorRole::Rig { Time::ZERO } else { Time::MAX };
         for seen in &mut self.channels {
             (seen.at, seen.value) = (When::exactly(Time::ZERO), Value::Unknown);
         }
@@ -152,7 +154,7 @@ impl ScanPort {
     }
 
     /// What the executor that it serves is for.
-    pub(crate) const fn role(&self) -> Role {
+    pub(crate) const fn role(&self) -> ExecutorRole {
         self.role
     }
 
@@ -284,7 +286,7 @@ impl ScanPort {
     /// Whether the time that clients asked for has passed, where they lead it.
     #[inline]
     pub(crate) fn stands_still(&self, now: Time) -> bool {
-        self.led && self.role == Role::Rig && now >= self.until
+        self.led && self.role == ExecutorRole::Rig && now >= self.until
     }
 
     /// All of the time that was asked for has passed: what it brought is reported.
@@ -300,16 +302,16 @@ impl ScanPort {
     }
 
     /// From now on changes of a source are reported.
-    pub(crate) fn follow(&mut self, source: u32, of: Source, probe: ProbeId) {
+    pub(crate) fn follow(&mut self, source: u32, of: ObservedSource, probe: ProbeId) {
         let Some(watched) = self.watched.get_mut(source as usize) else { return };
         *watched = Some((of, probe));
         match of {
-            Source::Channel(channel) => {
+            ObservedSource::Channel(channel) => {
                 if let Some(seen) = self.channels.get_mut(usize::from(channel.0)) {
                     seen.source = source;
                 }
             }
-            Source::Inside(_) => {
+            ObservedSource::Inside(_) => {
                 if let Some(place) = self.probes.get_mut(probe.0 as usize) {
                     *place = source;
                 }
@@ -321,13 +323,13 @@ impl ScanPort {
     pub(crate) fn unfollow(&mut self, source: u32) -> Option<ProbeId> {
         let (of, probe) = self.watched.get_mut(source as usize)?.take()?;
         match of {
-            Source::Channel(channel) => {
+            ObservedSource::Channel(channel) => {
                 if let Some(seen) = self.channels.get_mut(usize::from(channel.0)) {
                     seen.source = NONE;
                 }
                 None
             }
-            Source::Inside(_) => {
+            ObservedSource::Inside(_) => {
                 if let Some(place) = self.probes.get_mut(probe.0 as usize) {
                     *place = NONE;
                 }
@@ -421,7 +423,7 @@ impl ScanPort {
     }
 
     /// What an order came to. There is room for every order that can be under way.
-    pub(crate) fn answer(&mut self, ticket: u64, outcome: Outcome) {
+    pub(crate) fn answer(&mut self, ticket: u64, outcome: OrderOutcome) {
         if self.ends.outcomes.push((ticket, outcome)).is_err() {
             self.now.untold += 1;
         }

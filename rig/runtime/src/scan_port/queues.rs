@@ -2,7 +2,7 @@
 //! memory but lines of the log and what is reported of a plan.
 
 use super::snapshot::Snapshot;
-use control::{Action, PlanEvent};
+use control::{ControllerAction, PlanEvent};
 use controller::{CommandError, Probe, WriteError};
 use drivers::{BoardError, BusId, ChannelId};
 use profile::IoChannel;
@@ -20,7 +20,7 @@ const SNAPSHOTS: usize = 3;
 
 /// What is looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Source {
+pub enum ObservedSource {
     /// A channel of the board.
     Channel(ChannelId),
     /// Something inside the controller.
@@ -31,7 +31,7 @@ pub enum Source {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ScanRequest {
     /// Changes of this are reported from now on, under this number; its present value at once.
-    Watch(u32, Source),
+    Watch(u32, ObservedSource),
     /// No more.
     Unwatch(u32),
     /// An order; its outcome comes under this number.
@@ -42,9 +42,9 @@ pub enum ScanRequest {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ScanCommand {
     /// A value.
-    Read(Source),
+    Read(ObservedSource),
     /// Something is written.
-    Write(Source, Value),
+    Write(ObservedSource, Value),
     /// An embedded input or output is forced.
     Force(IoChannel, bool),
     /// No more.
@@ -52,7 +52,7 @@ pub enum ScanCommand {
     /// None at all.
     ReleaseAll,
     /// A command.
-    Command(Action),
+    Command(ControllerAction),
     /// Time passes, where clients lead it.
     Advance(Span),
     /// The plan that waits is run.
@@ -62,7 +62,7 @@ pub enum ScanCommand {
 }
 
 /// What an order came to.
-pub type Outcome = Result<Option<Value>, ScanCommandError>;
+pub type OrderOutcome = Result<Option<Value>, ScanCommandError>;
 
 /// Why an order was not carried out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,7 +107,7 @@ pub struct ScanEnd {
     /// What is asked.
     pub requests: Consumer<ScanRequest>,
     /// What came of it.
-    pub outcomes: Producer<(u64, Outcome)>,
+    pub outcomes: Producer<(u64, OrderOutcome)>,
     /// What happened.
     pub events: Producer<ScanEvent>,
     /// Snapshots to be filled.
@@ -122,7 +122,7 @@ pub struct HandleEnd {
     /// See [`ScanEnd`].
     pub requests: Producer<ScanRequest>,
     /// See [`ScanEnd`].
-    pub outcomes: Consumer<(u64, Outcome)>,
+    pub outcomes: Consumer<(u64, OrderOutcome)>,
     /// See [`ScanEnd`].
     pub events: Consumer<ScanEvent>,
     /// See [`ScanEnd`].

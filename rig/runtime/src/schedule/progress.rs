@@ -5,7 +5,7 @@
 
 use super::{Due, PlannedStep, Schedule, StepAnchor};
 use crate::case_ending::EarlyEnd;
-use crate::generator::Generator;
+use crate::generator::StimulusGenerator;
 use drivers::ChannelId;
 use plans::plan::StepRepeat;
 use plans::steps::CasePart;
@@ -29,7 +29,7 @@ pub enum EndReason {
 
 /// Where the case is, and where its steps are.
 #[derive(Debug)]
-pub(super) struct Progress {
+pub(super) struct ScheduleProgress {
     pub(super) phase: CasePart,
     pub(super) ended: Option<EndReason>,
     /// When each step began first.
@@ -54,8 +54,8 @@ pub(super) struct Progress {
     untils: Vec<(StepAnchor, usize, Span)>,
 }
 
-impl Progress {
-    pub(super) fn new(steps: &[PlannedStep], places: &BTreeMap<&str, usize>) -> Progress {
+impl ScheduleProgress {
+    pub(super) fn new(steps: &[PlannedStep], places: &BTreeMap<&str, usize>) -> ScheduleProgress {
         let count = steps.len();
         let mut open = vec![0; count];
         for parent in steps.iter().filter_map(|step| step.parent) {
@@ -67,7 +67,7 @@ impl Progress {
             }
             _ => None,
         });
-        Progress {
+        ScheduleProgress {
             phase: CasePart::Setup,
             ended: None,
             first: vec![None; count],
@@ -255,7 +255,7 @@ impl Schedule {
     /// Ends the next of the waves without end that the board makes for steps: its channel, with the level that it has now.
     pub fn end_emission(&mut self, now: Time) -> Option<(ChannelId, Value)> {
         for (step, planned) in self.steps.iter().enumerate() {
-            let Some(Generator::Emitted(emitted)) = &planned.generator else { continue };
+            let Some(StimulusGenerator::Emitted(emitted)) = &planned.generator else { continue };
             let running = &mut self.running[step];
             if let Some(begun) = self.begun[step]
                 && emitted.is_endless()

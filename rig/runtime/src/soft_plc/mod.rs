@@ -8,9 +8,9 @@ use crate::case::{RunOptions, clock};
 use crate::case_files::CaseFiles;
 use crate::codes;
 use crate::configure::initial_state;
-use crate::executor::{Executor, ExecutorReport, Limits, Parts};
+use crate::executor::{Executor, ExecutorLimits, ExecutorReport, Parts};
 use crate::hardware::Hardware;
-use crate::prepare::Prepared;
+use crate::prepare::PreparedCase;
 use crate::recorder::Recorder;
 use crate::rig_fault::RigFault;
 use crate::scan_port;
@@ -86,7 +86,7 @@ pub fn run(
     }
     let mut clock = clock(options.clock, files.seed, hardware);
     let trace = Trace::with_spill(options.trace_memory, spill::temporary());
-    let Prepared { trace, mut wiring, .. } = stage.prepare(&case, files, trace, clock.is_exact())?;
+    let PreparedCase { trace, mut wiring, .. } = stage.prepare(&case, files, trace, clock.is_exact())?;
     let TestSetup { subject, mut board, .. } = stage;
     let lines = files.board.lines;
     let places =
@@ -106,7 +106,7 @@ pub fn run(
     let judge = CaseJudge::new(case.scenario(), trace.signals())?;
     let mut recorder = Recorder::new(trace, judge);
     let mut schedule = Schedule::new(Vec::new(), case.ends.clone());
-    let limits = Limits {
+    let limits = ExecutorLimits {
         initial: State::Off,
         // Nobody judges it: how late it was is reported at the end.
         late: Span::MAX,
@@ -132,7 +132,7 @@ pub fn run(
         loop_counter: options.loop_counter,
     };
     let mut port = options.live.map(scan_port::lock);
-    let executor = Executor::new(parts, limits).serving(port.as_deref_mut(), scan_port::Role::Rig);
+    let executor = Executor::new(parts, limits).serving(port.as_deref_mut(), scan_port::ExecutorRole::Rig);
     let entered = hardware.map(Hardware::enter);
     let report = executor.run();
     drop(entered);

@@ -4,7 +4,7 @@ use super::SoftPlcEvent;
 use crate::capability::Capability;
 use crate::hook::HookError;
 use crate::subject::{
-    Disturbances, ExpertFunctions, FileAccess, Observation, Ports, Startup, Subject, SubjectExt,
+    Disturbances, ExpertFunctionAccess, FileAccess, Observation, PortAccess, Startup, Subject, SubjectExt,
 };
 use controller::{
     Command, CommandError, Effect, Effects, FrontPanel, JitterCounts, LogEntry, PortEvent, PortMessage,
@@ -297,11 +297,11 @@ impl Subject for SoftPlc {
         Some(self)
     }
 
-    fn expert_functions(&mut self) -> Option<&mut dyn ExpertFunctions> {
+    fn expert_functions(&mut self) -> Option<&mut dyn ExpertFunctionAccess> {
         Some(self)
     }
 
-    fn ports(&mut self) -> Option<&mut dyn Ports> {
+    fn ports(&mut self) -> Option<&mut dyn PortAccess> {
         Some(self)
     }
 
@@ -407,7 +407,7 @@ impl Observation for SoftPlc {
     }
 }
 
-impl Ports for SoftPlc {
+impl PortAccess for SoftPlc {
     fn receive(&mut self, now: Time, port: usize, event: &PortEvent, effects: &mut Effects) {
         let (before, own, event) = (effects.list.len(), self.own(now), event.shifted(self.ahead));
         if let Some(ports) = self.model.ports() {
@@ -421,7 +421,7 @@ impl Ports for SoftPlc {
     }
 }
 
-impl ExpertFunctions for SoftPlc {
+impl ExpertFunctionAccess for SoftPlc {
     fn offload_pulses(&mut self, outputs: &[IoChannel]) {
         self.model.offload_pulses(outputs);
     }
@@ -441,9 +441,9 @@ impl ExpertFunctions for SoftPlc {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::Model;
+    use crate::model::ModelledController;
     use crate::store::MemoryStore;
-    use controller::{Config, Endpoint, Outbox, PortLife, RegisterAccess};
+    use controller::{Config, Endpoint, PortLife, PortOutbox, RegisterAccess};
     use signal::SerialMessage;
     use std::sync::{Arc, Mutex};
 
@@ -454,9 +454,9 @@ mod tests {
     struct Answering(Heard);
 
     impl Endpoint for Answering {
-        fn enter(&mut self, _: Time, _: PortLife, _: &mut Outbox) {}
+        fn enter(&mut self, _: Time, _: PortLife, _: &mut PortOutbox) {}
 
-        fn receive(&mut self, now: Time, event: &PortEvent, outbox: &mut Outbox) {
+        fn receive(&mut self, now: Time, event: &PortEvent, outbox: &mut PortOutbox) {
             self.0.lock().unwrap().push((now, *event));
             if let PortEvent::Serial(message) = event {
                 let at = message.last.latest + Span::from_millis(1);
@@ -468,13 +468,13 @@ mod tests {
             Time::MAX
         }
 
-        fn fire(&mut self, _: Time, _: &mut Outbox) {}
+        fn fire(&mut self, _: Time, _: &mut PortOutbox) {}
 
         fn work(&self) -> Option<Span> {
             None
         }
 
-        fn step(&mut self, _: Time, _: &mut dyn RegisterAccess, _: &mut Outbox) {}
+        fn step(&mut self, _: Time, _: &mut dyn RegisterAccess, _: &mut PortOutbox) {}
     }
 
     /// The controller's own time is ahead of its lines by the boot that took none; an endpoint lives in it.
@@ -482,11 +482,12 @@ mod tests {
     fn a_port_is_in_the_time_of_its_lines() {
         let heard = Heard::default();
         let config = Config::new(profile::Profile::M241_2019);
-        let mut model = Model::new(config, None, Box::new(MemoryStore::default()), None).unwrap();
+        let mut model =
+            ModelledController::new(config, None, Box::new(MemoryStore::default()), None).unwrap();
         assert!(model.attach_endpoint(0, Box::new(Answering(heard.clone()))));
-        let (tell, _told) = std::sync::mpsc::sync_channel(16);
+        let (report, _reports) = std::sync::mpsc::sync_channel(16);
         let places = SoftPlcTerminals { inputs: 14, outputs: 10 };
-        let mut plc = SoftPlc::new(Box::new(model), SubjectLines::default(), places, State::Empty, tell);
+        let mut plc = SoftPlc::new(Box::new(model), SubjectLines::default(), places, State::Empty, report);
         plc.quick = true;
         let mut effects = Effects::new();
         plc.switch(Time::ZERO, true, &mut effects);

@@ -97,7 +97,7 @@ pub trait Disturbances {
 }
 
 /// Expert functions that hardware of the board can help: it makes their pulses, or counts for them.
-pub trait ExpertFunctions {
+pub trait ExpertFunctionAccess {
     /// What is connected to these embedded outputs makes square waves by itself: those of its functions are reported
     /// as [`controller::Effect::Wave`]. Before it has power.
     fn offload_pulses(&mut self, outputs: &[IoChannel]);

@@ -170,21 +170,21 @@ pub trait SubjectExt: Subject {
         }
     }
 
-    /// As [`ExpertFunctions::offload_pulses`](super::ExpertFunctions::offload_pulses).
+    /// As [`ExpertFunctionAccess::offload_pulses`](super::ExpertFunctionAccess::offload_pulses).
     fn offload_pulses(&mut self, outputs: &[IoChannel]) {
         if let Some(functions) = self.expert_functions() {
             functions.offload_pulses(outputs);
         }
     }
 
-    /// As [`ExpertFunctions::report_missed_edges`](super::ExpertFunctions::report_missed_edges).
+    /// As [`ExpertFunctionAccess::report_missed_edges`](super::ExpertFunctions::report_missed_edges).
     fn report_missed_edges(&mut self, now: Time, input: usize, edges: u32) {
         if let Some(functions) = self.expert_functions() {
             functions.report_missed_edges(now, input, edges);
         }
     }
 
-    /// As [`ExpertFunctions::count`](super::ExpertFunctions::count).
+    /// As [`ExpertFunctionAccess::count`](super::ExpertFunctions::count).
     fn count(&mut self, now: Time, input: usize, steps: i64) {
         if let Some(functions) = self.expert_functions() {
             functions.count(now, input, steps);

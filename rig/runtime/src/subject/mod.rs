@@ -10,9 +10,9 @@ use crate::catalogue::Catalogue;
 use controller::{Command, CommandError, Effects, State, Terminal};
 use signal::{Address, Time, Value, When};
 
-pub use capabilities::{Disturbances, ExpertFunctions, FileAccess, Observation, Startup};
+pub use capabilities::{Disturbances, ExpertFunctionAccess, FileAccess, Observation, Startup};
 pub use ext::{NO_PROBE, SubjectExt};
-pub use ports::Ports;
+pub use ports::PortAccess;
 
 /// A controller under test.
 ///
@@ -112,12 +112,12 @@ pub trait Subject: Send {
     }
 
     /// Its expert functions, with which hardware of the board can help.
-    fn expert_functions(&mut self) -> Option<&mut dyn ExpertFunctions> {
+    fn expert_functions(&mut self) -> Option<&mut dyn ExpertFunctionAccess> {
         self.inner_mut()?.expert_functions()
     }
 
     /// Its ports, where the rig plays them.
-    fn ports(&mut self) -> Option<&mut dyn Ports> {
+    fn ports(&mut self) -> Option<&mut dyn PortAccess> {
         self.inner_mut()?.ports()
     }
 }

@@ -4,7 +4,7 @@ use controller::{Effects, PortEvent, PortMessage};
 use signal::Time;
 
 /// The ports of a subject, by their numbers: those of its reference (`profile::Reference::ports`).
-pub trait Ports {
+pub trait PortAccess {
     /// Something happened at a port, by `now`.
     fn receive(&mut self, now: Time, port: usize, event: &PortEvent, effects: &mut Effects);
 

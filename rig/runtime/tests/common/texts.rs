@@ -11,13 +11,13 @@ use record::Verdict;
 use scanrig_runtime::application::compile;
 use scanrig_runtime::bundle::Bundle;
 use scanrig_runtime::clock::Clock;
-use scanrig_runtime::executor::{Executor, ExecutorReport, Limits, Parts};
+use scanrig_runtime::executor::{Executor, ExecutorLimits, ExecutorReport, Parts};
 use scanrig_runtime::functions;
 use scanrig_runtime::jobs::{self, JobResult};
-use scanrig_runtime::model::Model;
-use scanrig_runtime::prepare::{ArmedAlarm, Prepared, TestBench, prepare};
+use scanrig_runtime::model::ModelledController;
+use scanrig_runtime::prepare::{ArmedAlarm, PreparedCase, TestBench, prepare};
 use scanrig_runtime::recorder::Recorder;
-use scanrig_runtime::scan_port::{Role, ScanPort};
+use scanrig_runtime::scan_port::{ExecutorRole, ScanPort};
 use scanrig_runtime::schedule::Schedule;
 use scanrig_runtime::store::MemoryStore;
 use scanrig_runtime::subject::Subject;
@@ -67,12 +67,12 @@ impl Texts<'_> {
     }
 
     /// The plan's only case in parts, with the usual configuration of the controller.
-    pub fn parts(&self, seed: u64) -> (Model, Parted) {
+    pub fn parts(&self, seed: u64) -> (ModelledController, Parted) {
         self.parts_with(seed, |_| {})
     }
 
     /// The same with another configuration of the controller.
-    pub fn parts_with(&self, seed: u64, change: impl FnOnce(&mut Config)) -> (Model, Parted) {
+    pub fn parts_with(&self, seed: u64, change: impl FnOnce(&mut Config)) -> (ModelledController, Parted) {
         self.parts_on(seed, change, |board| board).unwrap_or_else(|found| panic!("{found:#?}"))
     }
 
@@ -82,7 +82,7 @@ impl Texts<'_> {
         seed: u64,
         change: impl FnOnce(&mut Config),
         other: impl FnOnce(Box<dyn Board>) -> Box<dyn Board>,
-    ) -> Result<(Model, Parted), Vec<Diagnostic>> {
+    ) -> Result<(ModelledController, Parted), Vec<Diagnostic>> {
         self.parts_of(seed, change, other, Vec::new())
     }
 
@@ -92,7 +92,7 @@ impl Texts<'_> {
         &self,
         seed: u64,
         modules: Vec<Box<dyn IoModule>>,
-    ) -> Result<(Model, Parted), Vec<Diagnostic>> {
+    ) -> Result<(ModelledController, Parted), Vec<Diagnostic>> {
         self.parts_of(seed, |_| {}, |board| board, modules)
     }
 
@@ -117,7 +117,7 @@ impl Texts<'_> {
         change: impl FnOnce(&mut Config),
         other: impl FnOnce(Box<dyn Board>) -> Box<dyn Board>,
         modules: Vec<Box<dyn IoModule>>,
-    ) -> Result<(Model, Parted), Vec<Diagnostic>> {
+    ) -> Result<(ModelledController, Parted), Vec<Diagnostic>> {
         let (loaded, jobs) = self.load(seed);
         let case = loaded.plan.case(jobs[0].case).unwrap();
         let mut files = loaded.files(&case, &jobs[0]).unwrap();
@@ -133,7 +133,8 @@ impl Texts<'_> {
         let bundle = Bundle { sources: files.sources.clone(), tasks }.to_bytes();
         let board = other(drivers::build(&files.board, seed).unwrap());
         let store = Box::new(MemoryStore::default());
-        let mut model = Model::with_modules(config, Some(program), store, None, modules).unwrap();
+        let mut model =
+            ModelledController::with_modules(config, Some(program), store, None, modules).unwrap();
         model.commission(&bundle, State::Running).unwrap();
         let mut bench = TestBench {
             subject: &mut model,
@@ -147,7 +148,7 @@ impl Texts<'_> {
             exact: true,
         };
         let prepared = prepare(&case, &files.plan, Trace::new(), &mut bench)?;
-        let Prepared { trace, wiring, steps, alarms, warnings, .. } = prepared;
+        let PreparedCase { trace, wiring, steps, alarms, warnings, .. } = prepared;
         let judge = CaseJudge::new(case.scenario(), trace.signals()).unwrap();
         let schedule = Schedule::new(steps, case.ends.clone());
         let recorder = Recorder::new(trace, judge);
@@ -204,7 +205,7 @@ impl Parted {
         port: Option<&mut ScanPort>,
     ) -> ExecutorReport {
         let interrupt = AtomicBool::new(false);
-        let limits = Limits {
+        let limits = ExecutorLimits {
             initial: State::Running,
             late: self.late,
             slice: self.slice,
@@ -228,7 +229,7 @@ impl Parted {
             heartbeat: None,
             loop_counter: None,
         };
-        Executor::new(parts, limits).serving(port, Role::Rig).run()
+        Executor::new(parts, limits).serving(port, ExecutorRole::Rig).run()
     }
 }
 

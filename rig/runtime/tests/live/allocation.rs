@@ -5,7 +5,7 @@ use crate::allocation::Noting;
 use crate::texts::Texts;
 use scanrig_runtime::live::{self, LiveRig};
 use scanrig_runtime::scan_port::ScanPort;
-use services::control::{Order, Rig, Ticket};
+use services::control::{Rig, RigOrder, Ticket};
 use signal::{Time, Value};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -54,10 +54,10 @@ fn a_client_that_does_everything_costs_no_memory() {
         while !over.load(Ordering::Relaxed) {
             signals.iter().for_each(|signal| rig.watch(*signal).unwrap());
             for order in [
-                Order::Force(output, Value::Bool(ticket % 2 == 0)),
-                Order::Write(count, Value::Int(ticket as i64 % 100)),
-                Order::Read(count),
-                Order::ReleaseAll,
+                RigOrder::Force(output, Value::Bool(ticket % 2 == 0)),
+                RigOrder::Write(count, Value::Int(ticket as i64 % 100)),
+                RigOrder::Read(count),
+                RigOrder::ReleaseAll,
             ] {
                 ticket += 1;
                 rig.order(Ticket(ticket), order).unwrap();
@@ -82,7 +82,7 @@ fn one_that_never_listens_is_not_waited_for() {
     let (taken, mut rig) = allocations(|mut rig, over| {
         let signal = rig.find("MAIN.count").unwrap().number;
         rig.watch(signal).unwrap();
-        rig.order(Ticket(1), Order::Read(signal)).unwrap();
+        rig.order(Ticket(1), RigOrder::Read(signal)).unwrap();
         while !over.load(Ordering::Relaxed) {
             std::thread::yield_now();
         }

@@ -1,8 +1,8 @@
 //! A rig whose time clients lead: exact, and the same each time.
 
 use super::{Bench, with_rig};
-use control::{Action, SignalKind};
-use services::control::{Answer, Order, Rig, RigEvent};
+use control::{ControllerAction, SignalKind};
+use services::control::{Answer, Rig, RigEvent, RigOrder};
 use signal::{Span, Value};
 
 const MS: fn(i64) -> Span = Span::from_millis;
@@ -47,7 +47,7 @@ fn forces_writes_and_commands_do_what_they_say() {
         assert_eq!(bench.read("signal"), Value::Bool(true));
         // An input is forced by its line's name as well.
         bench.force("start", true).unwrap();
-        assert_eq!(bench.order(Order::ReleaseAll), Ok(Answer::Done));
+        assert_eq!(bench.order(RigOrder::ReleaseAll), Ok(Answer::Done));
         assert!(bench.rig.status().forced.is_empty());
         bench.advance(MS(100));
         assert_eq!(bench.read("signal"), Value::Bool(false));
@@ -68,16 +68,16 @@ fn forces_writes_and_commands_do_what_they_say() {
             assert_eq!(fault.code, "R0603");
             assert!(fault.help.contains("a time from 0 s to 4294967.295 s"), "{}", fault.help);
         }
-        assert_eq!(bench.order(Order::Command(Action::Stop)), Ok(Answer::Done));
+        assert_eq!(bench.order(RigOrder::Command(ControllerAction::Stop)), Ok(Answer::Done));
         bench.advance(MS(100));
         assert_eq!(bench.rig.status().state, "STOPPED");
-        bench.order(Order::Command(Action::PowerOff)).unwrap();
+        bench.order(RigOrder::Command(ControllerAction::PowerOff)).unwrap();
         bench.advance(MS(1_000));
         let off = bench.rig.status();
         assert_eq!((off.state.as_str(), off.power), ("OFF", false));
-        let fault = bench.order(Order::Command(Action::Run)).unwrap_err();
+        let fault = bench.order(RigOrder::Command(ControllerAction::Run)).unwrap_err();
         assert_eq!(fault.code, "R0606");
-        bench.order(Order::Command(Action::PowerOn)).unwrap();
+        bench.order(RigOrder::Command(ControllerAction::PowerOn)).unwrap();
         bench.advance(Span::from_secs(60));
         assert!(bench.rig.status().power);
     });

@@ -6,12 +6,12 @@ mod plans;
 mod real;
 
 use crate::texts::Texts;
-use control::{Fault, Signal, Status};
+use control::{RequestFault, Signal, Status};
 use scanrig_runtime::live::{self, LiveRig, PlanSource};
 use scanrig_runtime::soft_plc::{SoftPlcReport, SoftPlcSettings};
 use scanrig_runtime::suite::FileSource;
 use scanrig_runtime::{ClockKind, RunOptions};
-use services::control::{Answer, Order, Rig, RigEvent, Ticket};
+use services::control::{Answer, Rig, RigEvent, RigOrder, Ticket};
 use signal::{Span, Value};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
@@ -129,7 +129,7 @@ impl Bench<'_> {
         }
     }
 
-    pub fn order(&mut self, order: Order) -> Result<Answer, Fault> {
+    pub fn order(&mut self, order: RigOrder) -> Result<Answer, RequestFault> {
         self.tickets += 1;
         let ticket = Ticket(self.tickets);
         self.rig.order(ticket, order)?;
@@ -141,20 +141,20 @@ impl Bench<'_> {
 
     pub fn read(&mut self, name: &str) -> Value {
         let number = self.signal(name).number;
-        match self.order(Order::Read(number)) {
+        match self.order(RigOrder::Read(number)) {
             Ok(Answer::Value(value)) => value,
             other => panic!("{name}: {other:?}"),
         }
     }
 
-    pub fn write(&mut self, name: &str, value: Value) -> Result<Answer, Fault> {
+    pub fn write(&mut self, name: &str, value: Value) -> Result<Answer, RequestFault> {
         let number = self.signal(name).number;
-        self.order(Order::Write(number, value))
+        self.order(RigOrder::Write(number, value))
     }
 
-    pub fn force(&mut self, name: &str, on: bool) -> Result<Answer, Fault> {
+    pub fn force(&mut self, name: &str, on: bool) -> Result<Answer, RequestFault> {
         let number = self.signal(name).number;
-        self.order(Order::Force(number, Value::Bool(on)))
+        self.order(RigOrder::Force(number, Value::Bool(on)))
     }
 
     pub fn watch(&mut self, name: &str) -> u32 {
@@ -164,7 +164,7 @@ impl Bench<'_> {
     }
 
     pub fn advance(&mut self, by: Span) {
-        assert_eq!(self.order(Order::Advance(by)), Ok(Answer::Done));
+        assert_eq!(self.order(RigOrder::Advance(by)), Ok(Answer::Done));
     }
 
     /// The status when it is as wanted.

@@ -2,7 +2,7 @@
 
 use super::{Bench, with_rig};
 use control::PlanEvent;
-use services::control::{Answer, Order, Rig, RigEvent};
+use services::control::{Answer, Rig, RigEvent, RigOrder};
 use signal::{Span, Value};
 
 fn over(bench: &mut Bench<'_>) -> String {
@@ -21,7 +21,7 @@ fn a_plan_is_reported_as_it_goes_and_the_controller_begins_anew() {
         assert_eq!(bench.rig.plans(None).unwrap(), ["press", "long", "none"]);
         // One that cannot be read hides no other.
         assert_eq!(bench.rig.plans(Some(".")).unwrap(), ["press", "long"]);
-        assert_eq!(bench.order(Order::Plan("press".into())), Ok(Answer::Done));
+        assert_eq!(bench.order(RigOrder::Plan("press".into())), Ok(Answer::Done));
         assert_eq!(over(bench), "pass");
         let reported: Vec<PlanEvent> = bench
             .reported
@@ -62,14 +62,14 @@ fn a_plan_is_reported_as_it_goes_and_the_controller_begins_anew() {
 #[test]
 fn a_plan_that_runs_has_the_board_and_can_be_ended() {
     with_rig(false, |bench| {
-        assert_eq!(bench.order(Order::Abort).unwrap_err().code, "R0612");
-        assert_eq!(bench.order(Order::Plan("long".into())), Ok(Answer::Done));
+        assert_eq!(bench.order(RigOrder::Abort).unwrap_err().code, "R0612");
+        assert_eq!(bench.order(RigOrder::Plan("long".into())), Ok(Answer::Done));
         bench.status("the case", |status| status.plan.as_ref().is_some_and(|plan| plan.case == "long"));
         bench.status("the case runs", |status| status.state == "RUNNING");
         assert_eq!(bench.force("Q0", true).unwrap_err().code, "R0611");
-        assert_eq!(bench.order(Order::Plan("press".into())).unwrap_err().code, "R0611");
+        assert_eq!(bench.order(RigOrder::Plan("press".into())).unwrap_err().code, "R0611");
         assert_eq!(bench.read("%QX0.0"), Value::Bool(false));
-        assert_eq!(bench.order(Order::Abort), Ok(Answer::Done));
+        assert_eq!(bench.order(RigOrder::Abort), Ok(Answer::Done));
         assert_eq!(over(bench), "error");
         bench.status("the controller", |status| status.plan.is_none() && status.tasks[0].cycles > 2);
         bench.force("Q0", true).unwrap();
@@ -80,9 +80,9 @@ fn a_plan_that_runs_has_the_board_and_can_be_ended() {
 fn what_is_no_plan_is_refused_and_the_controller_goes_on() {
     with_rig(true, |bench| {
         bench.advance(Span::from_secs(1));
-        let fault = bench.order(Order::Plan("none".into())).unwrap_err();
+        let fault = bench.order(RigOrder::Plan("none".into())).unwrap_err();
         assert!(fault.code == "R0610" && fault.message.contains("R0201"), "{fault:?}");
-        let fault = bench.order(Order::Plan("press[fast]".into())).unwrap_err();
+        let fault = bench.order(RigOrder::Plan("press[fast]".into())).unwrap_err();
         assert_eq!((fault.code.as_str(), fault.help.as_str()), ("R0610", "`plans` lists the cases"));
         assert_eq!(bench.read("MAIN.count"), Value::Int(50));
     });

@@ -1,7 +1,7 @@
 //! A rig on the host's clock: nobody asks for its time.
 
 use super::with_rig;
-use services::control::{Order, RigEvent};
+use services::control::{RigEvent, RigOrder};
 use signal::{Span, Value};
 
 #[test]
@@ -19,7 +19,7 @@ fn it_runs_by_itself_and_orders_come_between_two_turns() {
             RigEvent::Change { signal: of, value: Value::Bool(true), .. } if *of == signal => Some(()),
             _ => None,
         });
-        let fault = bench.order(Order::Advance(Span::from_millis(1))).unwrap_err();
+        let fault = bench.order(RigOrder::Advance(Span::from_millis(1))).unwrap_err();
         assert_eq!(fault.code, "R0607");
     });
     assert_eq!(played.fault, None);

@@ -1,7 +1,7 @@
 //! What a bus reports, as the endpoint at its port gets it: intervals, errors, order, and too much of it.
 
 use super::{BOUND, Bench, CAN_1, ENDS, LINE, SL1, ms, start};
-use controller::{Endpoint, Outbox, PortEvent, PortLife, RegisterAccess};
+use controller::{Endpoint, PortEvent, PortLife, PortOutbox, RegisterAccess};
 use drivers::{BusError, BusEvent, BusId, BusState, LossReason};
 use scanrig_runtime::rig_fault::RigFault;
 use signal::{CanFrame, SerialMessage, Span, Time, When};
@@ -16,9 +16,9 @@ type Heard = Arc<Mutex<Vec<(Time, PortEvent)>>>;
 struct Listener(Heard);
 
 impl Endpoint for Listener {
-    fn enter(&mut self, _: Time, _: PortLife, _: &mut Outbox) {}
+    fn enter(&mut self, _: Time, _: PortLife, _: &mut PortOutbox) {}
 
-    fn receive(&mut self, now: Time, event: &PortEvent, _: &mut Outbox) {
+    fn receive(&mut self, now: Time, event: &PortEvent, _: &mut PortOutbox) {
         self.0.lock().unwrap().push((now, *event));
     }
 
@@ -26,13 +26,13 @@ impl Endpoint for Listener {
         Time::MAX
     }
 
-    fn fire(&mut self, _: Time, _: &mut Outbox) {}
+    fn fire(&mut self, _: Time, _: &mut PortOutbox) {}
 
     fn work(&self) -> Option<Span> {
         None
     }
 
-    fn step(&mut self, _: Time, _: &mut dyn RegisterAccess, _: &mut Outbox) {}
+    fn step(&mut self, _: Time, _: &mut dyn RegisterAccess, _: &mut PortOutbox) {}
 }
 
 /// A case whose board reports this, each at its instant, with a listener at this port.

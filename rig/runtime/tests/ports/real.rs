@@ -1,7 +1,7 @@
 //! An endpoint of the controller at a serial line of this machine, on the host's clock. The line is a pseudo-terminal: bytes
 //! and a far end that can go away, but no bits.
 
-use super::{Bench, SL1, Seen, Told, World};
+use super::{Bench, Reported, SL1, Seen, World};
 use crate::texts::Texts;
 use controller::State;
 use drivers::{BoardContext, LossReason};
@@ -39,18 +39,18 @@ struct Partner {
     far: File,
     /// The near end, to see what nobody took yet.
     near: File,
-    told: Seen,
+    reported: Seen,
 }
 
 impl Partner {
-    fn told(&self) -> Told {
-        *self.told.lock().unwrap()
+    fn reported(&self) -> Reported {
+        *self.reported.lock().unwrap()
     }
 
-    fn until(&self, what: &str, holds: impl Fn(Told) -> bool) {
+    fn until(&self, what: &str, holds: impl Fn(Reported) -> bool) {
         let due = Instant::now() + PATIENCE;
-        while !holds(self.told()) {
-            assert!(Instant::now() < due, "{what}: {:?}", self.told());
+        while !holds(self.reported()) {
+            assert!(Instant::now() < due, "{what}: {:?}", self.reported());
             std::thread::sleep(Duration::from_millis(1));
         }
     }
@@ -101,7 +101,10 @@ impl Partner {
 
 /// Runs a case at a line with this message gap while the partner does its part, which hands back its end of the line unless
 /// it goes away.
-fn with_partner(gap: &str, part: impl FnOnce(Partner) -> Option<Partner> + Send) -> (ExecutorReport, Told) {
+fn with_partner(
+    gap: &str,
+    part: impl FnOnce(Partner) -> Option<Partner> + Send,
+) -> (ExecutorReport, Reported) {
     let far = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC).unwrap();
     grantpt(&far).unwrap();
     unlockpt(&far).unwrap();
@@ -128,12 +131,12 @@ fn with_partner(gap: &str, part: impl FnOnce(Partner) -> Option<Partner> + Send)
     // How punctual this machine is, is not the subject.
     parts.late = Span::from_secs(100);
     let world = Arc::new(Mutex::new(World::default()));
-    let mut bench = Bench { model, parts, world, told: Seen::default() }.attach(SL1, None);
-    let told = bench.told.clone();
-    let partner = Partner { far: File::from(far), near: File::open(path).unwrap(), told };
+    let mut bench = Bench { model, parts, world, reported: Seen::default() }.attach(SL1, None);
+    let reported = bench.reported.clone();
+    let partner = Partner { far: File::from(far), near: File::open(path).unwrap(), reported };
     let ran = std::thread::scope(|scope| {
         let part = scope.spawn(|| {
-            partner.until("RUNNING", |told| told.state == Some(State::Running));
+            partner.until("RUNNING", |reported| reported.state == Some(State::Running));
             part(partner)
         });
         let ran = bench.parts.run(&mut HostClock::of(&context), &mut bench.model);
@@ -141,42 +144,44 @@ fn with_partner(gap: &str, part: impl FnOnce(Partner) -> Option<Partner> + Send)
         assert!(parted.is_ok(), "the partner gave up; the case ended at {} with {:?}", ran.end, ran.fault);
         ran
     });
-    (ran, bench.told())
+    (ran, bench.reported())
 }
 
 /// In RUNNING, in STOPPED, and again after a power cut that comes while a request waits for the processor.
 #[test]
 fn a_partner_is_answered_in_every_state_and_after_a_power_cut() {
-    let (ran, told) = with_partner("20 ms", |mut partner| {
+    let (ran, reported) = with_partner("20 ms", |mut partner| {
         partner.asks(&[5, 2], &[0x12, 0x34, 0, 0]);
         partner.orders(STOP);
-        partner.until("STOPPED", |told| told.state == Some(State::Stopped));
+        partner.until("STOPPED", |reported| reported.state == Some(State::Stopped));
         partner.asks(&[5, 1], &[0x12, 0x34]);
         partner.orders(RUN);
-        partner.until("RUNNING", |told| told.state == Some(State::Running));
+        partner.until("RUNNING", |reported| reported.state == Some(State::Running));
         partner.orders(CUT);
         // It waits for the processor when the supply goes, unless this machine stands still for longer than that.
         partner.says(&super::ENDLESS);
-        partner.until("another start", |told| told.starts == 2 && told.state == Some(State::Running));
+        partner.until("another start", |reported| {
+            reported.starts == 2 && reported.state == Some(State::Running)
+        });
         // Nothing of what was under way comes before it.
         partner.asks(&[5, 1], &[0x12, 0x34]);
         partner.ends()
     });
     assert_eq!(ran.fault, None);
-    assert_eq!((told.damaged, told.not_sent), (0, 0));
+    assert_eq!((reported.damaged, reported.not_sent), (0, 0));
 }
 
 /// The second piece is said when the first one was taken, and the line was not silent for the message gap between them.
 #[test]
 fn a_request_in_two_pieces_is_one_request() {
-    let (ran, told) = with_partner("1 s", |mut partner| {
+    let (ran, reported) = with_partner("1 s", |mut partner| {
         partner.says(&[5]);
         partner.is_heard();
         partner.says(&[2]);
         partner.hears(&[0x12, 0x34, 0, 0]);
         partner.ends()
     });
-    assert_eq!((ran.fault, told.requests), (None, 2));
+    assert_eq!((ran.fault, reported.requests), (None, 2));
 }
 
 #[test]

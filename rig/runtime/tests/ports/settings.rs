@@ -1,7 +1,7 @@
 //! Settings of a serial line by the endpoint at its port: what an application configures.
 
 use super::{BOUND, Bench, ENDS, LINE, PARTNER, SETTINGS, SL1, ms, start};
-use controller::{Endpoint, Outbox, PortEvent, PortLife, PortMessage, RegisterAccess};
+use controller::{Endpoint, PortEvent, PortLife, PortMessage, PortOutbox, RegisterAccess};
 use drivers::BoardError;
 use scanrig_runtime::rig_fault::RigFault;
 use signal::{Parity, SerialOutput, SerialSettings, Span, Time};
@@ -11,7 +11,7 @@ use signal::{Parity, SerialOutput, SerialSettings, Span, Time};
 struct Changing(SerialSettings);
 
 impl Endpoint for Changing {
-    fn enter(&mut self, now: Time, life: PortLife, outbox: &mut Outbox) {
+    fn enter(&mut self, now: Time, life: PortLife, outbox: &mut PortOutbox) {
         if life != PortLife::Restarted {
             return;
         }
@@ -21,7 +21,7 @@ impl Endpoint for Changing {
         outbox.push(at, PortMessage::serial(b"2").unwrap()).unwrap();
     }
 
-    fn receive(&mut self, now: Time, event: &PortEvent, outbox: &mut Outbox) {
+    fn receive(&mut self, now: Time, event: &PortEvent, outbox: &mut PortOutbox) {
         assert_ne!(*event, PortEvent::NotSent);
         if let PortEvent::Serial(message) = event
             && message.is_sound()
@@ -34,13 +34,13 @@ impl Endpoint for Changing {
         Time::MAX
     }
 
-    fn fire(&mut self, _: Time, _: &mut Outbox) {}
+    fn fire(&mut self, _: Time, _: &mut PortOutbox) {}
 
     fn work(&self) -> Option<Span> {
         None
     }
 
-    fn step(&mut self, _: Time, _: &mut dyn RegisterAccess, _: &mut Outbox) {}
+    fn step(&mut self, _: Time, _: &mut dyn RegisterAccess, _: &mut PortOutbox) {}
 }
 
 fn with(settings: SerialSettings) -> Bench {

@@ -3,12 +3,12 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt;
 
-use control::{Fault, Signal};
+use control::{RequestFault, Signal};
 use signal::{Time, Value};
 
-use super::lines::Lines;
-use super::outbox::Outbox;
-use super::rig::Order;
+use super::lines::ClientLines;
+use super::outbox::ClientOutbox;
+use super::rig::RigOrder;
 use super::topic::Subscription;
 
 /// The number of a connection.
@@ -25,14 +25,14 @@ pub struct Peer {
 
 /// A client.
 #[derive(Debug)]
-pub(super) struct Client {
+pub(super) struct ClientConnection {
     pub(super) peer: Peer,
     /// What it calls itself.
     pub(super) name: Option<String>,
-    pub(super) lines: Lines,
+    pub(super) lines: ClientLines,
     /// All that came is looked at: no whole line is left.
     pub(super) starved: bool,
-    pub(super) out: Outbox,
+    pub(super) out: ClientOutbox,
     /// The request that is under way: one at a time, so that answers come in the order of requests, a read sees the
     /// write before it, and whoever asks a thousand things at once does not keep others waiting.
     pub(super) work: Option<Work>,
@@ -47,14 +47,14 @@ pub(super) struct Client {
     pub(super) cut: bool,
 }
 
-impl Client {
-    pub(super) fn new(peer: Peer) -> Client {
-        Client {
+impl ClientConnection {
+    pub(super) fn new(peer: Peer) -> ClientConnection {
+        ClientConnection {
             peer,
             name: None,
-            lines: Lines::default(),
+            lines: ClientLines::default(),
             starved: true,
-            out: Outbox::default(),
+            out: ClientOutbox::default(),
             work: None,
             subscriptions: BTreeMap::new(),
             subscribed: 0,
@@ -87,11 +87,11 @@ impl Client {
 }
 
 /// A client as the log calls it.
-pub(super) struct Called<'a>(pub(super) ClientId, pub(super) &'a Client);
+pub(super) struct LoggedClient<'a>(pub(super) ClientId, pub(super) &'a ClientConnection);
 
-impl fmt::Display for Called<'_> {
+impl fmt::Display for LoggedClient<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Called(id, Client { peer, name, .. }) = self;
+        let LoggedClient(id, ClientConnection { peer, name, .. }) = self;
         write!(f, "client {id} (")?;
         if let Some(name) = name {
             write!(f, "{name}, ")?;
@@ -112,13 +112,13 @@ pub(super) struct Work {
     /// What its answer is made of.
     pub(super) then: Then,
     /// Orders that are not given yet.
-    pub(super) orders: VecDeque<Order>,
+    pub(super) orders: VecDeque<RigOrder>,
     /// Orders that are given and not answered.
     pub(super) open: usize,
     /// What was read, in the order in which it was asked.
     pub(super) values: Vec<Value>,
     /// What went wrong first.
-    pub(super) fault: Option<Fault>,
+    pub(super) fault: Option<RequestFault>,
 }
 
 /// What becomes of a request when its orders are carried out.

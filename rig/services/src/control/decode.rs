@@ -1,6 +1,6 @@
 //! A line becomes a request.
 
-use control::{Fault, Operation, REQUEST_FIELDS, Request, TOPIC_FIELDS};
+use control::{REQUEST_FIELDS, Request, RequestFault, RequestOperation, TOPIC_FIELDS};
 use document::suggest;
 use serde_json::{Map, Value};
 
@@ -12,7 +12,7 @@ pub struct BadRequest {
     /// The number.
     pub id: Option<u64>,
     /// What is wrong.
-    pub fault: Fault,
+    pub fault: RequestFault,
 }
 
 /// Reads a line of a client.
@@ -50,7 +50,7 @@ pub fn decode(line: &[u8]) -> Result<Request, BadRequest> {
         known(topic, "of", TOPIC_FIELDS).map_err(refuse)?;
     }
     let kind = fields.get("do").and_then(Value::as_str).unwrap_or_default().to_string();
-    let ask = serde_json::from_value::<Operation>(Value::Object(fields)).map_err(|error| {
+    let ask = serde_json::from_value::<RequestOperation>(Value::Object(fields)).map_err(|error| {
         let message = format!("`{kind}` cannot be read: {}", short(&error.to_string()));
         refuse(fault(codes::REQUEST, message, &help(&kind)))
     })?;
@@ -61,7 +61,7 @@ pub fn decode(line: &[u8]) -> Result<Request, BadRequest> {
 const EXAMPLE: &str = "a line is as in {\"id\": 1, \"do\": \"status\"}";
 
 /// Whether an object has a kind that is known, and no field that is not.
-fn known(fields: &Map<String, Value>, tag: &str, kinds: &[(&str, &[&str])]) -> Result<(), Fault> {
+fn known(fields: &Map<String, Value>, tag: &str, kinds: &[(&str, &[&str])]) -> Result<(), RequestFault> {
     let Some(kind) = fields.get(tag) else {
         return Err(fault(codes::REQUEST, format!("`{tag}` is missing"), EXAMPLE));
     };
@@ -98,8 +98,8 @@ fn help(kind: &str) -> String {
 }
 
 /// A fault.
-pub(super) fn fault(code: &str, message: String, help: &str) -> Fault {
-    Fault { code: code.into(), message, help: help.into() }
+pub(super) fn fault(code: &str, message: String, help: &str) -> RequestFault {
+    RequestFault { code: code.into(), message, help: help.into() }
 }
 
 /// The longest piece of a client's text that is reported again, characters.
@@ -118,7 +118,7 @@ pub(super) fn short(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use control::{Action, Forces, Topic, WireValue};
+    use control::{ControllerAction, Forces, Topic, WireValue};
     use proptest::prelude::*;
 
     fn refused(line: &str) -> (Option<u64>, String, String) {
@@ -185,28 +185,30 @@ mod tests {
     }
 
     /// One request of each kind.
-    fn asks() -> Vec<Operation> {
+    fn asks() -> Vec<RequestOperation> {
         let name = || "a".to_string();
         let value = WireValue(signal::Value::Bool(true));
         vec![
-            Operation::Hello { protocol: 1, name: name() },
-            Operation::Describe,
-            Operation::Status,
-            Operation::Read { names: vec![name()] },
-            Operation::Write { name: name(), value },
-            Operation::Force { name: name(), value },
-            Operation::Release { name: name() },
-            Operation::ReleaseAll,
-            Operation::Command { action: Action::ResetWarm },
-            Operation::Subscribe { topic: Topic::Signals { names: vec![name()], every_ms: 5, all: true } },
-            Operation::Unsubscribe { subscription: 1 },
-            Operation::Plans { path: None },
-            Operation::Plan { name: name() },
-            Operation::Abort,
-            Operation::Lock { note: name() },
-            Operation::Unlock,
-            Operation::Leave { forces: Forces::Keep },
-            Operation::Advance { by: 1 },
+            RequestOperation::Hello { protocol: 1, name: name() },
+            RequestOperation::Describe,
+            RequestOperation::Status,
+            RequestOperation::Read { names: vec![name()] },
+            RequestOperation::Write { name: name(), value },
+            RequestOperation::Force { name: name(), value },
+            RequestOperation::Release { name: name() },
+            RequestOperation::ReleaseAll,
+            RequestOperation::Command { action: ControllerAction::ResetWarm },
+            RequestOperation::Subscribe {
+                topic: Topic::Signals { names: vec![name()], every_ms: 5, all: true },
+            },
+            RequestOperation::Unsubscribe { subscription: 1 },
+            RequestOperation::Plans { path: None },
+            RequestOperation::Plan { name: name() },
+            RequestOperation::Abort,
+            RequestOperation::Lock { note: name() },
+            RequestOperation::Unlock,
+            RequestOperation::Leave { forces: Forces::Keep },
+            RequestOperation::Advance { by: 1 },
         ]
     }
 

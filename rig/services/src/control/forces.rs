@@ -1,11 +1,11 @@
 //! Who forced what, and what becomes of it when a client is gone.
 
-use control::{Action, Fault, Signal};
+use control::{ControllerAction, RequestFault, Signal};
 use signal::Time;
 
 use super::client::ClientId;
 use super::hub::Hub;
-use super::rig::Order;
+use super::rig::RigOrder;
 use super::settings::OnDisconnect;
 
 /// Who forced something.
@@ -19,7 +19,7 @@ pub(super) struct ForcedBy {
 
 impl Hub {
     /// The signal of a name that is to be forced or released. A terminal and its address are two names of one thing.
-    pub(super) fn find_forced(&mut self, name: &str) -> Result<Signal, Fault> {
+    pub(super) fn find_forced(&mut self, name: &str) -> Result<Signal, RequestFault> {
         let signal = self.rig.find(name)?;
         let is = |one: &Option<String>| one.as_deref() == Some(&*signal.name);
         let mut points = self.description.points.iter();
@@ -59,10 +59,10 @@ impl Hub {
             return;
         }
         if policy == OnDisconnect::Stop {
-            self.orders.add_own(Order::Command(Action::Stop));
+            self.orders.add_own(RigOrder::Command(ControllerAction::Stop));
         }
         for signal in forced {
-            self.orders.add_own(Order::Release(signal));
+            self.orders.add_own(RigOrder::Release(signal));
         }
         self.give(now);
     }

@@ -5,17 +5,19 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::fmt;
 use std::rc::Rc;
 
-use control::{Clock, Description, Event, Fault, Greeting, LogLine, PlanEvent, Reply, Status};
+use control::{
+    Description, Greeting, PlanEvent, Reply, RequestFault, RigLogLine, Status, SubscriptionEvent, TimeSource,
+};
 use signal::{Span, Time};
 
-use super::client::{Called, Client, ClientId, Peer};
+use super::client::{ClientConnection, ClientId, LoggedClient, Peer};
 use super::decode::{decode, fault};
 use super::forces::ForcedBy;
-use super::lines::Line;
+use super::lines::ClientLine;
 use super::lock::Lock;
 use super::orders::Orders;
 use super::rig::{Rig, RigEvent};
-use super::settings::Settings;
+use super::settings::SocketSettings;
 use crate::codes;
 use control::LONGEST_LINE;
 
@@ -25,10 +27,10 @@ const REQUESTS: usize = 16;
 /// All clients and the rig.
 pub struct Hub {
     pub(super) rig: Box<dyn Rig>,
-    pub(super) settings: Settings,
+    pub(super) settings: SocketSettings,
     pub(super) description: Description,
     pub(super) lock: Lock,
-    pub(super) clients: BTreeMap<ClientId, Client>,
+    pub(super) clients: BTreeMap<ClientId, ClientConnection>,
     /// How many have connected.
     connected: u64,
     pub(super) orders: Orders,
@@ -39,7 +41,7 @@ pub struct Hub {
     /// The addresses of signals that were named to be forced or released.
     pub(super) addresses: BTreeMap<u32, String>,
     pub(super) status_cache: StatusCache,
-    pub(super) log: VecDeque<LogLine>,
+    pub(super) log: VecDeque<RigLogLine>,
     write: Box<dyn FnMut(&str)>,
     /// What the case that runs has reported.
     pub(super) plan: Vec<PlanEvent>,
@@ -63,7 +65,7 @@ pub(super) struct StatusCache {
 
 impl Hub {
     /// A hub without clients. What it has to say goes to `write`, line by line, and to whoever subscribes to the log.
-    pub fn new(rig: Box<dyn Rig>, settings: Settings, write: Box<dyn FnMut(&str)>) -> Hub {
+    pub fn new(rig: Box<dyn Rig>, settings: SocketSettings, write: Box<dyn FnMut(&str)>) -> Hub {
         let mut description = rig.describe();
         description.on_disconnect = settings.on_disconnect.name().into();
         Hub {
@@ -106,7 +108,7 @@ impl Hub {
         }
         self.connected += 1;
         let id = self.connected;
-        let mut client = Client::new(peer);
+        let mut client = ClientConnection::new(peer);
         client.out.put(&Greeting { client: id, ..self.rig.greeting() }, now);
         self.clients.insert(id, client);
         self.status_cache.fresh = false;
@@ -200,7 +202,7 @@ impl Hub {
         self.status_cache.fresh = false;
         let mut events = std::mem::take(&mut self.events);
         let queue = self.settings.limits.queue;
-        let waits = |client: &Client| client.leads() && !client.cut && client.out.len() >= queue;
+        let waits = |client: &ClientConnection| client.leads() && !client.cut && client.out.len() >= queue;
         // A rig in stepped time stands still while what it reported finds no room.
         if !self.is_stepped() || !self.clients.values().any(waits) {
             self.rig.poll(&mut |one| events.push(one));
@@ -213,7 +215,7 @@ impl Hub {
         self.flush(now);
         let patience =
             i64::try_from(self.settings.limits.patience.as_nanos()).map_or(Span::MAX, Span::from_nanos);
-        let stuck = |client: &Client| {
+        let stuck = |client: &ClientConnection| {
             !client.cut && client.stuck_since().is_some_and(|since| now - since >= patience)
         };
         let stuck: Vec<ClientId> =
@@ -256,7 +258,7 @@ impl Hub {
                 let fault = fault(codes::OVER, format!("the rig ended: {why}"), "start it again");
                 client.out.answer(&Reply { id: Some(work.id), ok: None, error: Some(fault) }, now);
             }
-            client.out.put(&Event::Gone { why: why.into() }, now);
+            client.out.put(&SubscriptionEvent::Gone { why: why.into() }, now);
             client.leaves = true;
             self.touch(id);
         }
@@ -283,7 +285,7 @@ impl Hub {
 
     /// Time stands still until a client asks for more of it.
     pub(super) fn is_stepped(&self) -> bool {
-        self.description.clock == Clock::Stepped
+        self.description.clock == TimeSource::Stepped
     }
 
     /// Writes a line into the log.
@@ -296,7 +298,7 @@ impl Hub {
     /// Writes into the log what a client does.
     pub(super) fn say_of(&mut self, id: ClientId, does: &str, now: Time) {
         if let Some(client) = self.clients.get(&id) {
-            let text = format!("{} {does}", Called(id, client));
+            let text = format!("{} {does}", LoggedClient(id, client));
             self.say(&text, now);
         }
     }
@@ -306,7 +308,7 @@ impl Hub {
         &mut self,
         id: ClientId,
         number: u64,
-        what: Result<&impl serde::Serialize, Fault>,
+        what: Result<&impl serde::Serialize, RequestFault>,
         now: Time,
     ) {
         let Some(client) = self.clients.get_mut(&id) else { return };
@@ -318,20 +320,20 @@ impl Hub {
     }
 
     /// Whether the next request of a client can be looked at.
-    fn may_ask(&self, client: &Client) -> bool {
+    fn may_ask(&self, client: &ClientConnection) -> bool {
         client.work.is_none()
             && !client.leaves
             && !client.cut
             && client.out.len() < self.settings.limits.queue
     }
 
-    fn line(&mut self, id: ClientId, line: Line, now: Time) {
+    fn line(&mut self, id: ClientId, line: ClientLine, now: Time) {
         let refused = match line {
-            Line::Whole(bytes) => match decode(&bytes) {
+            ClientLine::Whole(bytes) => match decode(&bytes) {
                 Ok(request) => return self.request(id, request, now),
                 Err(refused) => Reply { id: refused.id, ok: None, error: Some(refused.fault) },
             },
-            Line::TooLong => {
+            ClientLine::TooLong => {
                 let message = format!("the line is longer than {LONGEST_LINE} bytes");
                 let help = "split the request, as into several subscriptions";
                 Reply { id: None, ok: None, error: Some(fault(codes::LINE, message, help)) }

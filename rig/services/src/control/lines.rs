@@ -4,7 +4,7 @@ use control::LONGEST_LINE;
 
 /// A line of a client.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Line {
+pub(super) enum ClientLine {
     /// Its bytes, without the end.
     Whole(Vec<u8>),
     /// It was too long, and is passed over up to its end.
@@ -13,7 +13,7 @@ pub(super) enum Line {
 
 /// The bytes of a client that are no line yet. They are never many more than the longest line.
 #[derive(Debug, Default)]
-pub(super) struct Lines {
+pub(super) struct ClientLines {
     bytes: Vec<u8>,
     /// How many of them hold no end of a line.
     searched: usize,
@@ -22,7 +22,7 @@ pub(super) struct Lines {
     over: bool,
 }
 
-impl Lines {
+impl ClientLines {
     /// Takes further bytes.
     pub(super) fn put(&mut self, mut bytes: &[u8]) {
         if self.skips {
@@ -44,7 +44,7 @@ impl Lines {
     }
 
     /// The next line that is not empty.
-    pub(super) fn next(&mut self) -> Option<Line> {
+    pub(super) fn next(&mut self) -> Option<ClientLine> {
         loop {
             let found = self.bytes[self.searched..].iter().position(|&byte| byte == b'\n');
             let Some(at) = found.map(|at| at + self.searched) else {
@@ -53,20 +53,20 @@ impl Lines {
                 if self.bytes.len() >= LONGEST_LINE {
                     self.forget(self.bytes.len());
                     self.skips = !self.over;
-                    return Some(Line::TooLong);
+                    return Some(ClientLine::TooLong);
                 }
                 let rest = self.over.then(|| std::mem::take(&mut self.bytes))?;
                 self.searched = 0;
-                return (!is_blank(&rest)).then_some(Line::Whole(rest));
+                return (!is_blank(&rest)).then_some(ClientLine::Whole(rest));
             };
             if at >= LONGEST_LINE {
                 self.forget(at + 1);
-                return Some(Line::TooLong);
+                return Some(ClientLine::TooLong);
             }
             let line = self.bytes[..at].to_vec();
             self.forget(at + 1);
             if !is_blank(&line) {
-                return Some(Line::Whole(line));
+                return Some(ClientLine::Whole(line));
             }
         }
     }
@@ -90,7 +90,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn all(lines: &mut Lines) -> Vec<Line> {
+    fn all(lines: &mut ClientLines) -> Vec<ClientLine> {
         std::iter::from_fn(|| lines.next()).collect()
     }
 
@@ -102,23 +102,26 @@ mod tests {
         bytes.extend(vec![b'b'; LONGEST_LINE]);
         bytes.extend(b"\nc\n");
         for piece in [1, 4096, bytes.len()] {
-            let (mut lines, mut read) = (Lines::default(), Vec::new());
+            let (mut lines, mut read) = (ClientLines::default(), Vec::new());
             for part in bytes.chunks(piece) {
                 lines.put(part);
                 read.extend(all(&mut lines));
                 assert!(lines.bytes.capacity() <= 4 * LONGEST_LINE);
             }
-            assert_eq!(read, [Line::Whole(fits.clone()), Line::TooLong, Line::Whole(b"c".to_vec())]);
+            assert_eq!(
+                read,
+                [ClientLine::Whole(fits.clone()), ClientLine::TooLong, ClientLine::Whole(b"c".to_vec())]
+            );
         }
     }
 
     #[test]
     fn what_has_no_end_is_a_line_once_nothing_follows() {
-        let mut lines = Lines::default();
+        let mut lines = ClientLines::default();
         lines.put(b" \r\n\nhalf");
         assert_eq!(lines.next(), None);
         lines.end();
-        assert_eq!(all(&mut lines), [Line::Whole(b"half".to_vec())]);
+        assert_eq!(all(&mut lines), [ClientLine::Whole(b"half".to_vec())]);
         assert!(lines.is_over());
     }
 
@@ -128,10 +131,10 @@ mod tests {
             bytes in prop::collection::vec(prop_oneof![Just(b'\n'), Just(b' '), any::<u8>()], 0..200),
             piece in 1usize..50,
         ) {
-            let mut whole = Lines::default();
+            let mut whole = ClientLines::default();
             whole.put(&bytes);
             whole.end();
-            let mut pieces = Lines::default();
+            let mut pieces = ClientLines::default();
             let mut read = Vec::new();
             for part in bytes.chunks(piece) {
                 pieces.put(part);

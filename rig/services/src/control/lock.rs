@@ -4,7 +4,7 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use control::{Fault, Locked};
+use control::{Locked, RequestFault};
 
 use super::decode::fault;
 use crate::codes;
@@ -43,7 +43,7 @@ impl Lock {
     ///
     /// # Errors
     /// The rig is locked.
-    pub(super) fn check(&self) -> Result<(), Fault> {
+    pub(super) fn check(&self) -> Result<(), RequestFault> {
         let Some(Locked { by, note }) = &self.now else { return Ok(()) };
         let why = if note.is_empty() { String::new() } else { format!(": {note}") };
         let message = format!("the rig was locked by {by}{why}");
@@ -54,7 +54,7 @@ impl Lock {
     ///
     /// # Errors
     /// The file of the lock cannot be written or removed; the lock is as it was.
-    pub(super) fn set(&mut self, to: Option<Locked>) -> Result<(), Fault> {
+    pub(super) fn set(&mut self, to: Option<Locked>) -> Result<(), RequestFault> {
         if let Some(file) = &self.file {
             let kept = match &to {
                 Some(locked) => keep(file, locked),

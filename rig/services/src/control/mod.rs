@@ -27,6 +27,6 @@ mod topic;
 pub use client::{ClientId, Peer};
 pub use decode::{BadRequest, decode};
 pub use hub::Hub;
-pub use rig::{Answer, MOST_ORDERS, Order, Rig, RigEvent, Ticket};
+pub use rig::{Answer, MOST_ORDERS, Rig, RigEvent, RigOrder, Ticket};
 pub use serve::{Serving, serve};
-pub use settings::{Limits, OnDisconnect, Settings};
+pub use settings::{ClientLimits, OnDisconnect, SocketSettings};

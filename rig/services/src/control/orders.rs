@@ -2,13 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-use control::Fault;
+use control::RequestFault;
 use signal::Time;
 
 use super::client::ClientId;
 use super::forces::ForcedBy;
 use super::hub::Hub;
-use super::rig::{Answer, MOST_ORDERS, Order, Ticket};
+use super::rig::{Answer, MOST_ORDERS, RigOrder, Ticket};
 
 /// Orders that are under way.
 #[derive(Debug, Default)]
@@ -17,7 +17,7 @@ pub(super) struct Orders {
     open: BTreeMap<Ticket, OpenOrder>,
     last: u64,
     /// Orders of the rig's own, for clients that are gone.
-    own: VecDeque<Order>,
+    own: VecDeque<RigOrder>,
     /// Who has orders to give.
     waiting: BTreeSet<ClientId>,
     /// Who gave the last one.
@@ -54,7 +54,7 @@ impl Orders {
     }
 
     /// The rig itself has one.
-    pub(super) fn add_own(&mut self, order: Order) {
+    pub(super) fn add_own(&mut self, order: RigOrder) {
         self.own.push_back(order);
     }
 
@@ -94,7 +94,7 @@ impl Hub {
         }
     }
 
-    fn give_one(&mut self, by: Option<ClientId>, order: Order, now: Time) {
+    fn give_one(&mut self, by: Option<ClientId>, order: RigOrder, now: Time) {
         self.orders.last += 1;
         let ticket = Ticket(self.orders.last);
         if let Some(work) = self.work_of(by) {
@@ -110,26 +110,26 @@ impl Hub {
     }
 
     /// Notes who forces what.
-    fn note(&mut self, by: Option<ClientId>, order: &Order) -> OpenOrder {
+    fn note(&mut self, by: Option<ClientId>, order: &RigOrder) -> OpenOrder {
         let mut given = OpenOrder { by, forces: None, releases: Releases::None };
         match (order, by) {
-            (Order::Force(signal, _), Some(client)) => {
+            (RigOrder::Force(signal, _), Some(client)) => {
                 let by = ForcedBy { client, signal: *signal };
                 let address = self.addresses.get(signal).cloned().unwrap_or_default();
                 let before = self.forces.insert(address.clone(), by);
                 given.forces = Some((address, before));
             }
-            (Order::Release(signal), _) => {
+            (RigOrder::Release(signal), _) => {
                 given.releases = Releases::One(self.addresses.get(signal).cloned().unwrap_or_default());
             }
-            (Order::ReleaseAll, _) => given.releases = Releases::All,
+            (RigOrder::ReleaseAll, _) => given.releases = Releases::All,
             _ => {}
         }
         given
     }
 
     /// An order is answered.
-    pub(super) fn answered(&mut self, ticket: Ticket, answer: Result<Answer, Fault>, now: Time) {
+    pub(super) fn answered(&mut self, ticket: Ticket, answer: Result<Answer, RequestFault>, now: Time) {
         let Some(given) = self.orders.open.remove(&ticket) else { return };
         self.status_cache.fresh = false;
         let OpenOrder { by, forces, releases } = given;
@@ -150,7 +150,7 @@ impl Hub {
     }
 
     /// An order of a client, or of the rig itself, is carried out or refused.
-    fn carried_out(&mut self, by: Option<ClientId>, answer: Result<Answer, Fault>, now: Time) {
+    fn carried_out(&mut self, by: Option<ClientId>, answer: Result<Answer, RequestFault>, now: Time) {
         let Some(id) = by else {
             if let Err(fault) = answer {
                 self.say(&format!("for a client that is gone: {} ({})", fault.message, fault.code), now);

@@ -5,7 +5,7 @@ use signal::Time;
 
 /// Lines that wait, in their order. Whoever puts events in asks for room first; one answer always fits.
 #[derive(Debug, Default)]
-pub(super) struct Outbox {
+pub(super) struct ClientOutbox {
     bytes: Vec<u8>,
     /// How many of them are sent.
     sent: usize,
@@ -15,7 +15,7 @@ pub(super) struct Outbox {
     moved: Time,
 }
 
-impl Outbox {
+impl ClientOutbox {
     /// What waits.
     pub(super) fn waiting(&self) -> &[u8] {
         &self.bytes[self.sent..]
@@ -42,7 +42,7 @@ impl Outbox {
         self.moved = now;
         if self.sent == self.bytes.len() {
             // A great answer's room is given back.
-            *self = Outbox { moved: now, ..Outbox::default() };
+            *self = ClientOutbox { moved: now, ..ClientOutbox::default() };
         } else if self.sent > self.bytes.len() / 2 {
             self.bytes.drain(..self.sent);
             self.answers = self.answers.saturating_sub(self.sent);

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::rc::Rc;
 
-use control::{Event, LogLine, PlanEvent, Status};
+use control::{PlanEvent, RigLogLine, Status, SubscriptionEvent};
 use serde::Serialize;
 use signal::{Span, Time};
 
@@ -73,7 +73,7 @@ impl Hub {
         if self.log.len() == LINES {
             self.log.pop_front();
         }
-        self.log.push_back(LogLine { at, text: text.into() });
+        self.log.push_back(RigLogLine { at, text: text.into() });
         let ids: Vec<ClientId> = self.clients.keys().copied().collect();
         for id in ids {
             let queue = self.settings.limits.queue;
@@ -87,7 +87,7 @@ impl Hub {
                     continue;
                 }
                 publish_missed(subscription, one, &mut client.out, now);
-                client.out.put(&Event::Log { subscription, at, text: text.into() }, now);
+                client.out.put(&SubscriptionEvent::Log { subscription, at, text: text.into() }, now);
                 self.touched.insert(id);
             }
         }
@@ -230,7 +230,7 @@ impl Hub {
 fn publish_changes(
     subscription: u64,
     one: &mut Subscription,
-    out: &mut super::outbox::Outbox,
+    out: &mut super::outbox::ClientOutbox,
     now: Time,
 ) -> bool {
     let Of::Signals { waiting, .. } = &mut one.of else { return false };
@@ -238,14 +238,19 @@ fn publish_changes(
         return false;
     }
     let (changes, missed) = waiting.take(CHANGES);
-    out.put(&Event::Signals { subscription, changes, missed }, now);
+    out.put(&SubscriptionEvent::Signals { subscription, changes, missed }, now);
     true
 }
 
 /// Reports how many lines of a subscription were left out, if any were.
-fn publish_missed(subscription: u64, one: &mut Subscription, out: &mut super::outbox::Outbox, now: Time) {
+fn publish_missed(
+    subscription: u64,
+    one: &mut Subscription,
+    out: &mut super::outbox::ClientOutbox,
+    now: Time,
+) {
     let lines = std::mem::take(&mut one.missed);
     if lines > 0 {
-        out.put(&Event::Missed { subscription, lines }, now);
+        out.put(&SubscriptionEvent::Missed { subscription, lines }, now);
     }
 }

@@ -3,15 +3,15 @@
 use std::collections::VecDeque;
 
 use control::{
-    Advanced, Change, Done, Fault, Forces, Greeting, Locked, Operation, PROTOCOL, Plans, Request, Signal,
-    Subscribed, Topic, Values, WireValue,
+    Advanced, Done, Forces, Greeting, Locked, PROTOCOL, Plans, Request, RequestFault, RequestOperation,
+    Signal, SignalChange, SignalValues, Subscribed, Topic, WireValue,
 };
 use signal::{Span, Time, Value, When};
 
 use super::client::{ClientId, Then, Work};
 use super::decode::{fault, short};
 use super::hub::Hub;
-use super::rig::Order;
+use super::rig::RigOrder;
 use super::topic::{Of, Subscription, Waiting};
 use crate::codes;
 
@@ -20,13 +20,13 @@ enum Outcome {
     /// It is done.
     Done,
     /// It is done when these orders are.
-    Orders(VecDeque<Order>, Then),
+    Orders(VecDeque<RigOrder>, Then),
     /// It is answered already.
     Answered,
 }
 
 impl Outcome {
-    fn order(order: Order) -> Outcome {
+    fn order(order: RigOrder) -> Outcome {
         Outcome::Orders([order].into(), Then::Done)
     }
 }
@@ -58,55 +58,63 @@ impl Hub {
         }
     }
 
-    fn ask(&mut self, id: ClientId, number: u64, ask: Operation, now: Time) -> Result<Outcome, Fault> {
+    fn ask(
+        &mut self,
+        id: ClientId,
+        number: u64,
+        ask: RequestOperation,
+        now: Time,
+    ) -> Result<Outcome, RequestFault> {
         if changes(&ask) {
             self.lock.check()?;
         }
         match ask {
-            Operation::Hello { protocol, name } => return self.hello(id, number, protocol, &name, now),
-            Operation::Describe => {
+            RequestOperation::Hello { protocol, name } => {
+                return self.hello(id, number, protocol, &name, now);
+            }
+            RequestOperation::Describe => {
                 let Some(client) = self.clients.get_mut(&id) else { return Ok(Outcome::Answered) };
                 client.out.answer(&super::hub::Answered { id: number, ok: &self.description }, now);
                 self.touch(id);
             }
-            Operation::Status => {
+            RequestOperation::Status => {
                 let line = self.status_line();
                 let Some(client) = self.clients.get_mut(&id) else { return Ok(Outcome::Answered) };
                 client.out.answer_written(&[&format!("{{\"id\":{number},\"ok\":"), &line, "}"], now);
                 self.touch(id);
             }
-            Operation::Read { names } => {
+            RequestOperation::Read { names } => {
                 self.few(names.len())?;
                 let mut orders = VecDeque::new();
                 for name in &names {
-                    orders.push_back(Order::Read(self.rig.find(name)?.number));
+                    orders.push_back(RigOrder::Read(self.rig.find(name)?.number));
                 }
                 return Ok(Outcome::Orders(orders, Then::Values));
             }
-            Operation::Write { name, value } => {
+            RequestOperation::Write { name, value } => {
                 let signal = self.rig.find(&name)?.number;
-                return Ok(Outcome::order(Order::Write(signal, value.0)));
+                return Ok(Outcome::order(RigOrder::Write(signal, value.0)));
             }
-            Operation::Force { name, value } => {
+            RequestOperation::Force { name, value } => {
                 let signal = self.find_forced(&name)?;
                 self.say_of(id, &format!("forces {} = {}", signal.name, shown(value)), now);
-                return Ok(Outcome::order(Order::Force(signal.number, value.0)));
+                return Ok(Outcome::order(RigOrder::Force(signal.number, value.0)));
             }
-            Operation::Release { name } => {
+            RequestOperation::Release { name } => {
                 let signal = self.find_forced(&name)?;
                 self.say_of(id, &format!("releases {}", signal.name), now);
-                return Ok(Outcome::order(Order::Release(signal.number)));
+                return Ok(Outcome::order(RigOrder::Release(signal.number)));
             }
-            Operation::ReleaseAll => {
+            RequestOperation::ReleaseAll => {
                 self.say_of(id, "releases everything", now);
-                return Ok(Outcome::order(Order::ReleaseAll));
+                return Ok(Outcome::order(RigOrder::ReleaseAll));
             }
-            Operation::Command { action } => {
+            RequestOperation::Command { action } => {
                 self.say_of(id, &format!("commands {}", action.name()), now);
-                return Ok(Outcome::order(Order::Command(action)));
+                return Ok(Outcome::order(RigOrder::Command(action)));
             }
-            Operation::Subscribe { topic } => return self.subscribe(id, &topic, now),
-            Operation::Unsubscribe { subscription } => {
+            RequestOperation::Subscribe { topic } => return self.subscribe(id, &topic, now),
+            RequestOperation::Unsubscribe { subscription } => {
                 let client = self.clients.get_mut(&id);
                 let Some(ended) = client.and_then(|client| client.subscriptions.remove(&subscription)) else {
                     let message = format!("this connection has no subscription {subscription}");
@@ -116,43 +124,43 @@ impl Hub {
                 self.unwatch(id, subscription, ended.numbers());
                 return Ok(Outcome::Done);
             }
-            Operation::Plans { path } => {
+            RequestOperation::Plans { path } => {
                 let plans = self.rig.plans(path.as_deref())?;
                 self.answer(id, number, Ok(&Plans { plans }), now);
             }
-            Operation::Plan { name } => {
+            RequestOperation::Plan { name } => {
                 self.say_of(id, &format!("runs the plan {}", short(&name)), now);
-                return Ok(Outcome::order(Order::Plan(name)));
+                return Ok(Outcome::order(RigOrder::Plan(name)));
             }
-            Operation::Abort => {
+            RequestOperation::Abort => {
                 self.say_of(id, "ends the plan", now);
-                return Ok(Outcome::order(Order::Abort));
+                return Ok(Outcome::order(RigOrder::Abort));
             }
-            Operation::Lock { note } => {
+            RequestOperation::Lock { note } => {
                 let by = self.called(id);
                 self.lock.set(Some(Locked { by, note: short(&note) }))?;
                 self.status_cache.fresh = false;
                 self.say_of(id, &format!("locks the rig: {}", short(&note)), now);
                 return Ok(Outcome::Done);
             }
-            Operation::Unlock => {
+            RequestOperation::Unlock => {
                 self.lock.set(None)?;
                 self.status_cache.fresh = false;
                 self.say_of(id, "unlocks the rig", now);
                 return Ok(Outcome::Done);
             }
-            Operation::Leave { forces } => {
+            RequestOperation::Leave { forces } => {
                 let mut orders = VecDeque::new();
                 if forces == Forces::Release {
-                    orders.extend(self.forced_by(id).map(Order::Release));
+                    orders.extend(self.forced_by(id).map(RigOrder::Release));
                 }
                 if !orders.is_empty() {
                     self.lock.check()?;
                 }
                 return Ok(Outcome::Orders(orders, Then::Leave));
             }
-            Operation::Advance { by } => {
-                let order = Order::Advance(Span::from_nanos(by));
+            RequestOperation::Advance { by } => {
+                let order = RigOrder::Advance(Span::from_nanos(by));
                 return Ok(Outcome::Orders([order].into(), Then::Advanced));
             }
         }
@@ -166,7 +174,7 @@ impl Hub {
         protocol: u32,
         name: &str,
         now: Time,
-    ) -> Result<Outcome, Fault> {
+    ) -> Result<Outcome, RequestFault> {
         if protocol != PROTOCOL {
             if let Some(client) = self.clients.get_mut(&id) {
                 client.leaves = true;
@@ -184,7 +192,7 @@ impl Hub {
         Ok(Outcome::Answered)
     }
 
-    fn subscribe(&mut self, id: ClientId, topic: &Topic, now: Time) -> Result<Outcome, Fault> {
+    fn subscribe(&mut self, id: ClientId, topic: &Topic, now: Time) -> Result<Outcome, RequestFault> {
         let limits = self.settings.limits;
         let Some(client) = self.clients.get(&id) else { return Ok(Outcome::Answered) };
         if client.subscriptions.len() >= limits.subscriptions {
@@ -214,7 +222,7 @@ impl Hub {
         // A value that nobody reported so far is read; it comes with the answer.
         let read: Vec<u32> =
             numbers.iter().copied().filter(|&signal| self.rig.last(signal).is_none()).collect();
-        let orders = read.iter().map(|&signal| Order::Read(signal)).collect();
+        let orders = read.iter().map(|&signal| RigOrder::Read(signal)).collect();
         let Some(client) = self.clients.get_mut(&id) else { return Ok(Outcome::Answered) };
         client.subscribed += 1;
         let subscription = client.subscribed;
@@ -247,7 +255,7 @@ impl Hub {
             Then::Done => self.answer(id, number, Ok(&Done {}), now),
             Then::Values => {
                 let values = values.into_iter().map(WireValue).collect();
-                self.answer(id, number, Ok(&Values { values }), now);
+                self.answer(id, number, Ok(&SignalValues { values }), now);
             }
             Then::Advanced => {
                 let at = self.current_status().status.at;
@@ -293,7 +301,7 @@ impl Hub {
                         self.rig.last(signal).or(read.map(|(_, value)| (When::exactly(latest), *value)));
                     if let Some((at, value)) = known {
                         let (earliest, latest) = (at.earliest.as_nanos(), at.latest.as_nanos());
-                        begun.values.push(Change(signal, earliest, latest, WireValue(value)));
+                        begun.values.push(SignalChange(signal, earliest, latest, WireValue(value)));
                     }
                 }
             }
@@ -325,7 +333,7 @@ impl Hub {
     }
 
     /// Refuses more names than one client may have.
-    fn few(&self, names: usize) -> Result<(), Fault> {
+    fn few(&self, names: usize) -> Result<(), RequestFault> {
         let most = self.settings.limits.names;
         if names <= most {
             return Ok(());
@@ -342,26 +350,26 @@ impl Hub {
 }
 
 /// Whether a request changes something that a lock freezes. To end a plan is always allowed: it leads to the safe side.
-fn changes(ask: &Operation) -> bool {
+fn changes(ask: &RequestOperation) -> bool {
     match ask {
-        Operation::Write { .. }
-        | Operation::Force { .. }
-        | Operation::Release { .. }
-        | Operation::ReleaseAll
-        | Operation::Command { .. }
-        | Operation::Plan { .. }
-        | Operation::Lock { .. } => true,
-        Operation::Hello { .. }
-        | Operation::Describe
-        | Operation::Status
-        | Operation::Read { .. }
-        | Operation::Subscribe { .. }
-        | Operation::Unsubscribe { .. }
-        | Operation::Plans { .. }
-        | Operation::Abort
-        | Operation::Unlock
-        | Operation::Leave { .. }
-        | Operation::Advance { .. } => false,
+        RequestOperation::Write { .. }
+        | RequestOperation::Force { .. }
+        | RequestOperation::Release { .. }
+        | RequestOperation::ReleaseAll
+        | RequestOperation::Command { .. }
+        | RequestOperation::Plan { .. }
+        | RequestOperation::Lock { .. } => true,
+        RequestOperation::Hello { .. }
+        | RequestOperation::Describe
+        | RequestOperation::Status
+        | RequestOperation::Read { .. }
+        | RequestOperation::Subscribe { .. }
+        | RequestOperation::Unsubscribe { .. }
+        | RequestOperation::Plans { .. }
+        | RequestOperation::Abort
+        | RequestOperation::Unlock
+        | RequestOperation::Leave { .. }
+        | RequestOperation::Advance { .. } => false,
     }
 }
 

@@ -1,6 +1,6 @@
 //! The rig as the control socket sees it.
 
-use control::{Action, Description, Fault, FrameSeen, Greeting, PlanEvent, Signal, Status};
+use control::{ControllerAction, Description, FrameSeen, Greeting, PlanEvent, RequestFault, Signal, Status};
 use signal::{Span, Time, Value, When};
 
 /// The most orders that are under way at once.
@@ -12,7 +12,7 @@ pub struct Ticket(pub u64);
 
 /// What the rig is to do. Orders are carried out in their order, between two turns of the scan.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Order {
+pub enum RigOrder {
     /// Read a signal.
     Read(u32),
     /// Write one.
@@ -24,7 +24,7 @@ pub enum Order {
     /// End all forcing.
     ReleaseAll,
     /// Command the controller.
-    Command(Action),
+    Command(ControllerAction),
     /// Let time pass, where clients step it.
     Advance(Span),
     /// Run a plan.
@@ -55,7 +55,7 @@ pub enum RigEvent {
         value: Value,
     },
     /// An order was carried out, or not.
-    Answer(Ticket, Result<Answer, Fault>),
+    Answer(Ticket, Result<Answer, RequestFault>),
     /// A line of the log.
     Log(Time, String),
     /// A frame.
@@ -74,7 +74,7 @@ pub trait Rig: Send {
     /// What it is.
     fn describe(&self) -> Description;
 
-    /// How it is, as far as is known by now; after [`Order::Advance`], of the instant that was reached. Who is
+    /// How it is, as far as is known by now; after [`RigOrder::Advance`], of the instant that was reached. Who is
     /// connected, the lock and who forced what are added by the socket.
     fn status(&self) -> Status;
 
@@ -82,14 +82,14 @@ pub trait Rig: Send {
     ///
     /// # Errors
     /// A name that the rig does not know, with the nearest one.
-    fn find(&mut self, name: &str) -> Result<Signal, Fault>;
+    fn find(&mut self, name: &str) -> Result<Signal, RequestFault>;
 
     /// From now on changes of a signal are reported, its present value as the first. It is watched as often as this was
     /// called, less as often as [`Rig::unwatch`] was.
     ///
     /// # Errors
     /// More signals than can be watched.
-    fn watch(&mut self, signal: u32) -> Result<(), Fault>;
+    fn watch(&mut self, signal: u32) -> Result<(), RequestFault>;
 
     /// Ends that.
     fn unwatch(&mut self, signal: u32);
@@ -101,14 +101,14 @@ pub trait Rig: Send {
     ///
     /// # Errors
     /// Plans that cannot be read.
-    fn plans(&self, path: Option<&str>) -> Result<Vec<String>, Fault>;
+    fn plans(&self, path: Option<&str>) -> Result<Vec<String>, RequestFault>;
 
     /// Gives an order; its answer comes with [`RigEvent::Answer`].
     ///
     /// # Errors
     /// What cannot be done, if that is known already. There is room for [`MOST_ORDERS`]: the socket never has more of
     /// them under way.
-    fn order(&mut self, ticket: Ticket, order: Order) -> Result<(), Fault>;
+    fn order(&mut self, ticket: Ticket, order: RigOrder) -> Result<(), RequestFault>;
 
     /// Hands on what the rig reported since the last call, in its order.
     fn poll(&mut self, report: &mut dyn FnMut(RigEvent));

@@ -11,7 +11,7 @@ use std::task::{Context, Poll, Waker};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use control::Fault;
+use control::RequestFault;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use signal::{Span, Time};
 use tokio::net::{UnixListener, UnixStream};
@@ -23,7 +23,7 @@ use super::client::{ClientId, Peer};
 use super::decode::fault;
 use super::hub::Hub;
 use super::rig::Rig;
-use super::settings::Settings;
+use super::settings::SocketSettings;
 use super::socket::Socket;
 use crate::codes;
 
@@ -95,9 +95,9 @@ impl Drop for Serving {
 /// The socket cannot be made, or somebody serves it.
 pub fn serve(
     rig: impl Rig + 'static,
-    settings: Settings,
+    settings: SocketSettings,
     log: impl FnMut(&str) + Send + 'static,
-) -> Result<Serving, Fault> {
+) -> Result<Serving, RequestFault> {
     let (socket, listener) = Socket::bind(&settings.socket, settings.group.as_deref())?;
     let cannot = |error: io::Error| {
         let message = format!("the socket {} cannot be served: {error}", settings.socket.display());

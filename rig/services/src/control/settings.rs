@@ -28,7 +28,7 @@ impl OnDisconnect {
 
 /// How a socket is served.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Settings {
+pub struct SocketSettings {
     /// The socket.
     pub socket: PathBuf,
     /// The group whose members may use it; that of the process if none is named.
@@ -38,25 +38,25 @@ pub struct Settings {
     /// The folder in which the lock outlasts the rig; without one it ends with it.
     pub state: Option<PathBuf>,
     /// How much clients may ask for.
-    pub limits: Limits,
+    pub limits: ClientLimits,
 }
 
-impl Settings {
+impl SocketSettings {
     /// The socket with everything else as it is when nobody says otherwise.
-    pub fn of(socket: PathBuf) -> Settings {
-        Settings {
+    pub fn of(socket: PathBuf) -> SocketSettings {
+        SocketSettings {
             socket,
             group: None,
             on_disconnect: OnDisconnect::default(),
             state: None,
-            limits: Limits::default(),
+            limits: ClientLimits::default(),
         }
     }
 }
 
 /// How much clients may ask for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limits {
+pub struct ClientLimits {
     /// Clients at once.
     pub clients: usize,
     /// Subscriptions of one client.
@@ -71,9 +71,9 @@ pub struct Limits {
     pub patience: Duration,
 }
 
-impl Default for Limits {
+impl Default for ClientLimits {
     fn default() -> Self {
-        Limits {
+        ClientLimits {
             clients: 64,
             subscriptions: 32,
             names: 2_000,

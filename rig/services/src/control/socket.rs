@@ -6,7 +6,7 @@ use std::os::unix::fs::{DirBuilderExt, FileTypeExt, MetadataExt, PermissionsExt}
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
 
-use control::Fault;
+use control::RequestFault;
 use nix::unistd::Group;
 use rustix::fs::{FlockOperation, Gid, chown, flock};
 
@@ -34,7 +34,7 @@ impl Socket {
     ///
     /// # Errors
     /// Somebody serves it; it cannot be made; the group does not exist or cannot be given to it.
-    pub(super) fn bind(path: &Path, group: Option<&str>) -> Result<(Socket, UnixListener), Fault> {
+    pub(super) fn bind(path: &Path, group: Option<&str>) -> Result<(Socket, UnixListener), RequestFault> {
         let path = std::path::absolute(path).map_err(|error| refused(path, &error))?;
         let group = group.map(group_of).transpose()?;
         let folder = path.parent().unwrap_or(Path::new("/"));
@@ -105,7 +105,7 @@ fn make_folder(folder: &Path, group: Option<Gid>) -> io::Result<()> {
 }
 
 /// Refuses what is there, unless it is a socket that nobody serves.
-fn unserved(path: &Path) -> Result<(), Fault> {
+fn unserved(path: &Path) -> Result<(), RequestFault> {
     match fs::symlink_metadata(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
         Err(error) => return Err(refused(path, &error)),
@@ -142,7 +142,7 @@ fn make(half: &Path, path: &Path, group: Option<Gid>) -> io::Result<(UnixListene
     Ok((listener, (made.dev(), made.ino())))
 }
 
-fn group_of(name: &str) -> Result<Gid, Fault> {
+fn group_of(name: &str) -> Result<Gid, RequestFault> {
     let help = "make it, as with `sudo groupadd --system scanrig`, or name another `group` under `[control]`";
     match Group::from_name(name) {
         Ok(Some(group)) => Ok(Gid::from_raw(group.gid.as_raw())),
@@ -153,7 +153,7 @@ fn group_of(name: &str) -> Result<Gid, Fault> {
     }
 }
 
-fn refused(path: &Path, error: &io::Error) -> Fault {
+fn refused(path: &Path, error: &io::Error) -> RequestFault {
     let message = format!("the socket {} cannot be made: {error}", path.display());
     fault(codes::SOCKET, message, "name a `socket` in a folder that the rig may write to")
 }

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use control::{Change, Topic, WireValue};
+use control::{SignalChange, Topic, WireValue};
 use signal::{Span, Time, Value, When};
 
 /// The least and the most time between two messages of a subscription, milliseconds.
@@ -67,10 +67,10 @@ impl Subscription {
 #[derive(Debug)]
 pub(super) struct Waiting {
     /// Every change, where all are wanted, as many as fit.
-    all: VecDeque<Change>,
+    all: VecDeque<SignalChange>,
     room: usize,
     /// The last change of signals that did not fit or were not wanted one by one, with its place in the order.
-    newest: BTreeMap<u32, (u64, Change)>,
+    newest: BTreeMap<u32, (u64, SignalChange)>,
     place: u64,
     missed: u64,
 }
@@ -93,7 +93,7 @@ impl Waiting {
 
     /// A signal changed.
     pub(super) fn put(&mut self, signal: u32, at: When, value: Value) {
-        let change = Change(signal, at.earliest.as_nanos(), at.latest.as_nanos(), WireValue(value));
+        let change = SignalChange(signal, at.earliest.as_nanos(), at.latest.as_nanos(), WireValue(value));
         if self.room == 0 {
             self.keep(change);
             return;
@@ -108,7 +108,7 @@ impl Waiting {
     }
 
     /// Keeps the last change of a signal; reports whether another one had to give way.
-    fn keep(&mut self, change: Change) -> bool {
+    fn keep(&mut self, change: SignalChange) -> bool {
         self.place += 1;
         self.newest.insert(change.0, (self.place, change)).is_some()
     }
@@ -119,14 +119,14 @@ impl Waiting {
     }
 
     /// The next message: at most so many changes in their order, and how many were missed before them.
-    pub(super) fn take(&mut self, most: usize) -> (Vec<Change>, u64) {
-        let mut kept: Vec<(u64, Change)> = self.newest.values().copied().collect();
+    pub(super) fn take(&mut self, most: usize) -> (Vec<SignalChange>, u64) {
+        let mut kept: Vec<(u64, SignalChange)> = self.newest.values().copied().collect();
         kept.sort_unstable_by_key(|(place, _)| *place);
         kept.truncate(most);
         for (_, change) in &kept {
             self.newest.remove(&change.0);
         }
-        let mut changes: Vec<Change> = kept.into_iter().map(|(_, change)| change).collect();
+        let mut changes: Vec<SignalChange> = kept.into_iter().map(|(_, change)| change).collect();
         // What was kept aside is older than all that waits one by one.
         let more = if self.newest.is_empty() { most - changes.len() } else { 0 };
         changes.extend(self.all.drain(..more.min(self.all.len())));
@@ -146,7 +146,7 @@ mod tests {
         waiting.put(signal, When::exactly(Time::from_nanos(at)), Value::Int(at));
     }
 
-    fn reported(changes: &[Change]) -> Vec<(u32, i64)> {
+    fn reported(changes: &[SignalChange]) -> Vec<(u32, i64)> {
         changes.iter().map(|change| (change.0, change.1)).collect()
     }
 
@@ -156,7 +156,7 @@ mod tests {
         for (signal, at) in [(7, 1), (3, 2), (7, 3)] {
             put(&mut waiting, signal, at);
         }
-        assert_eq!(waiting.take(1), (vec![Change(3, 2, 2, WireValue(Value::Int(2)))], 0));
+        assert_eq!(waiting.take(1), (vec![SignalChange(3, 2, 2, WireValue(Value::Int(2)))], 0));
         assert_eq!(reported(&waiting.take(9).0), [(7, 3)]);
         assert!(waiting.is_empty());
     }

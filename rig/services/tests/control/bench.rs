@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use scanrig_services::control::{Serving, Settings, serve};
+use scanrig_services::control::{Serving, SocketSettings, serve};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
@@ -29,7 +29,7 @@ impl Bench {
         Bench::of(Fake::default(), |_| {})
     }
 
-    pub fn of(rig: Fake, settings: impl FnOnce(&mut Settings)) -> Bench {
+    pub fn of(rig: Fake, settings: impl FnOnce(&mut SocketSettings)) -> Bench {
         let folder = tempfile::tempdir().expect("a folder");
         let socket = folder.path().join("rig.sock");
         let mut bench = Bench { rig, folder, socket, serving: None, log: Arc::default() };
@@ -37,8 +37,8 @@ impl Bench {
         bench
     }
 
-    pub fn start(&mut self, settings: impl FnOnce(&mut Settings)) {
-        let mut all = Settings::of(self.socket.clone());
+    pub fn start(&mut self, settings: impl FnOnce(&mut SocketSettings)) {
+        let mut all = SocketSettings::of(self.socket.clone());
         settings(&mut all);
         let log = self.log.clone();
         let write = move |line: &str| log.lock().expect("nobody panicked").push(line.into());

@@ -5,10 +5,10 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Mutex, MutexGuard};
 
 use control::{
-    Clock, Description, Direction, Fault, Forced, FrameSeen, Greeting, PROTOCOL, PlanEvent, Point, Signal,
-    SignalKind, Status, WireValue,
+    Description, ForcedPoint, FrameSeen, Greeting, PROTOCOL, PlanEvent, PointDirection, PointInfo,
+    RequestFault, Signal, SignalKind, Status, TimeSource, WireValue,
 };
-use scanrig_services::control::{Answer, MOST_ORDERS, Order, Rig, RigEvent, Ticket};
+use scanrig_services::control::{Answer, MOST_ORDERS, Rig, RigEvent, RigOrder, Ticket};
 use signal::{Time, Value, When};
 
 /// How many signals there are.
@@ -27,9 +27,9 @@ pub struct State {
     pub values: BTreeMap<u32, Value>,
     pub watched: BTreeMap<u32, usize>,
     pub forced: BTreeMap<u32, Value>,
-    pub orders: VecDeque<(Ticket, Order)>,
+    pub orders: VecDeque<(Ticket, RigOrder)>,
     /// What was carried out.
-    pub done: Vec<Order>,
+    pub done: Vec<RigOrder>,
     pub reported: Vec<RigEvent>,
     pub state: String,
 }
@@ -74,28 +74,28 @@ impl State {
         }
     }
 
-    fn carry_out(&mut self, order: &Order) -> Result<Answer, Fault> {
+    fn carry_out(&mut self, order: &RigOrder) -> Result<Answer, RequestFault> {
         match *order {
-            Order::Read(signal) => return Ok(Answer::Value(self.value(signal))),
-            Order::Write(_, Value::Unknown) => return Err(refused("nothing to write")),
-            Order::Write(signal, value) => self.change(signal, value),
-            Order::Force(_, Value::Unknown) => return Err(refused("nothing to force")),
-            Order::Force(signal, value) => {
+            RigOrder::Read(signal) => return Ok(Answer::Value(self.value(signal))),
+            RigOrder::Write(_, Value::Unknown) => return Err(refused("nothing to write")),
+            RigOrder::Write(signal, value) => self.change(signal, value),
+            RigOrder::Force(_, Value::Unknown) => return Err(refused("nothing to force")),
+            RigOrder::Force(signal, value) => {
                 self.forced.insert(signal % SIGNALS, value);
             }
-            Order::Release(signal) => {
+            RigOrder::Release(signal) => {
                 self.forced.remove(&(signal % SIGNALS));
             }
-            Order::ReleaseAll => self.forced.clear(),
-            Order::Advance(by) => {
+            RigOrder::ReleaseAll => self.forced.clear(),
+            RigOrder::Advance(by) => {
                 // Signal 0 counts milliseconds.
                 for _ in 0..by.as_nanos() / 1_000_000 {
                     self.now += 1_000_000;
                     self.change(0, Value::Int(self.now / 1_000_000));
                 }
             }
-            Order::Command(action) => self.state = action.name().into(),
-            Order::Plan(_) | Order::Abort => {}
+            RigOrder::Command(action) => self.state = action.name().into(),
+            RigOrder::Plan(_) | RigOrder::Abort => {}
         }
         Ok(Answer::Done)
     }
@@ -118,12 +118,12 @@ impl Rig for Fake {
     }
 
     fn describe(&self) -> Description {
-        let clock = if self.state().led { Clock::Stepped } else { Clock::Real };
-        let point = Point {
+        let clock = if self.state().led { TimeSource::Stepped } else { TimeSource::Real };
+        let point = PointInfo {
             name: "t5".into(),
             address: Some("m5".into()),
             variable: None,
-            direction: Direction::Output,
+            direction: PointDirection::Output,
             kind: SignalKind::Bool,
             channel: None,
             image: Some("m5".into()),
@@ -134,7 +134,7 @@ impl Rig for Fake {
 
     fn status(&self) -> Status {
         let state = self.state();
-        let forced = state.forced.iter().map(|(signal, value)| Forced {
+        let forced = state.forced.iter().map(|(signal, value)| ForcedPoint {
             address: format!("m{signal}"),
             value: WireValue(*value),
             by: None,
@@ -142,7 +142,7 @@ impl Rig for Fake {
         Status { at: state.now, state: state.state.clone(), forced: forced.collect(), ..Status::default() }
     }
 
-    fn find(&mut self, name: &str) -> Result<Signal, Fault> {
+    fn find(&mut self, name: &str) -> Result<Signal, RequestFault> {
         if name == "t5" {
             // What is on the line of a terminal is another signal than its image.
             return Ok(Signal { number: SIGNALS + 5, name: name.into(), ..self.find("m5")? });
@@ -161,7 +161,7 @@ impl Rig for Fake {
         })
     }
 
-    fn watch(&mut self, signal: u32) -> Result<(), Fault> {
+    fn watch(&mut self, signal: u32) -> Result<(), RequestFault> {
         if signal == SIGNALS - 1 {
             return Err(refused("that is one too many"));
         }
@@ -182,14 +182,14 @@ impl Rig for Fake {
         None
     }
 
-    fn plans(&self, path: Option<&str>) -> Result<Vec<String>, Fault> {
+    fn plans(&self, path: Option<&str>) -> Result<Vec<String>, RequestFault> {
         Ok(vec![path.unwrap_or("shipped").into()])
     }
 
-    fn order(&mut self, ticket: Ticket, order: Order) -> Result<(), Fault> {
+    fn order(&mut self, ticket: Ticket, order: RigOrder) -> Result<(), RequestFault> {
         let mut state = self.state();
         assert!(state.orders.len() < MOST_ORDERS, "more orders than agreed");
-        if order == Order::Plan("unknown".into()) {
+        if order == RigOrder::Plan("unknown".into()) {
             return Err(refused("there is no such plan"));
         }
         state.orders.push_back((ticket, order));
@@ -211,6 +211,6 @@ impl Rig for Fake {
     }
 }
 
-pub fn refused(message: &str) -> Fault {
-    Fault { code: "R0600".into(), message: message.into(), help: String::new() }
+pub fn refused(message: &str) -> RequestFault {
+    RequestFault { code: "R0600".into(), message: message.into(), help: String::new() }
 }

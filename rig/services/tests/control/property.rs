@@ -2,14 +2,14 @@
 
 use control::LONGEST_LINE;
 use proptest::prelude::*;
-use scanrig_services::control::{ClientId, Hub, Peer, Settings};
+use scanrig_services::control::{ClientId, Hub, Peer, SocketSettings};
 use serde_json::{Value as Json, json};
 use signal::{Span, Time, Value};
 
 use crate::fake::{Fake, SIGNALS};
 
 fn hub(rig: &Fake) -> Hub {
-    Hub::new(Box::new(rig.clone()), Settings::of("unused".into()), Box::new(|_| {}))
+    Hub::new(Box::new(rig.clone()), SocketSettings::of("unused".into()), Box::new(|_| {}))
 }
 
 /// A client that reads everything.
@@ -156,7 +156,7 @@ fn what_waits_for_a_client_that_never_reads_is_bounded() {
         assert!(!hub.is_done(id), "only answers have to be read");
         most = most.max(hub.output(id).len());
     }
-    let limits = Settings::of("unused".into()).limits;
+    let limits = SocketSettings::of("unused".into()).limits;
     // Plans may fill eight queues; a message more goes over each.
     assert!(most > limits.queue && most < 9 * limits.queue, "{most}");
 }

@@ -1,7 +1,7 @@
 //! Each request and its answer.
 
-use control::Forced;
-use scanrig_services::control::{OnDisconnect, Order};
+use control::ForcedPoint;
+use scanrig_services::control::{OnDisconnect, RigOrder};
 use serde_json::{Value as Json, json};
 use signal::Value;
 
@@ -111,7 +111,7 @@ fn what_is_forced_has_its_name_and_ends_as_the_client_says() {
             client.refused(json!({"do": "force", "name": "m2", "value": null})),
             "R0600 nothing to force"
         );
-        let forced = |status: Json| -> Vec<Forced> {
+        let forced = |status: Json| -> Vec<ForcedPoint> {
             serde_json::from_value(status["forced"].clone()).expect("what is forced")
         };
         let now = forced(watcher.ok(json!({"do": "status"})));
@@ -153,14 +153,14 @@ fn who_says_goodbye_says_what_becomes_of_its_forces() {
         assert_eq!(client.line(), Json::Null);
         bench.is_empty();
         assert_eq!(bench.rig.state().forced.len(), left);
-        assert!(!bench.rig.state().done.contains(&Order::Command(control::Action::Stop)));
+        assert!(!bench.rig.state().done.contains(&RigOrder::Command(control::ControllerAction::Stop)));
     }
 }
 
 #[test]
 fn a_lock_freezes_and_outlasts_the_rig() {
     let state = tempfile::tempdir().expect("a folder");
-    let settings = |all: &mut scanrig_services::control::Settings| {
+    let settings = |all: &mut scanrig_services::control::SocketSettings| {
         all.on_disconnect = OnDisconnect::Release;
         all.state = Some(state.path().into());
     };

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use control::{FrameSeen, LONGEST_LINE, PlanEvent};
-use scanrig_services::control::Limits;
+use scanrig_services::control::ClientLimits;
 use serde_json::{Value as Json, json};
 use signal::Value;
 
@@ -28,7 +28,7 @@ fn lines_that_are_no_requests_are_answered_and_the_connection_goes_on() {
 #[test]
 fn who_asks_for_too_much_is_refused() {
     let bench = Bench::of(Fake::default(), |settings| {
-        settings.limits = Limits { clients: 2, subscriptions: 2, names: 3, ..Limits::default() };
+        settings.limits = ClientLimits { clients: 2, subscriptions: 2, names: 3, ..ClientLimits::default() };
     });
     let mut client = bench.client();
     let said = client.refused(json!({"do": "read", "names": ["m1", "m2", "m3", "m4"]}));
@@ -74,7 +74,7 @@ fn a_thousand_clients_are_served() {
 fn who_does_not_read_is_sent_less_and_who_leaves_answers_unread_is_cut_off() {
     let patience = Duration::from_millis(300);
     let bench = Bench::of(Fake::default(), |settings| {
-        settings.limits = Limits { patience, changes: 100, ..Limits::default() };
+        settings.limits = ClientLimits { patience, changes: 100, ..ClientLimits::default() };
     });
     let mut reader = bench.client();
     let mut sleeper = bench.client();

@@ -4,14 +4,14 @@ use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::os::unix::net::UnixListener;
 
-use scanrig_services::control::{Settings, serve};
+use scanrig_services::control::{SocketSettings, serve};
 use serde_json::json;
 
 use crate::bench::{Bench, Client};
 use crate::fake::Fake;
 
 /// The code of what is refused.
-fn refused(settings: Settings) -> String {
+fn refused(settings: SocketSettings) -> String {
     serve(Fake::default(), settings, |_| {}).expect_err("a refusal").code
 }
 
@@ -29,17 +29,17 @@ fn the_owner_and_the_group_may_connect_and_nothing_is_left() {
 #[test]
 fn a_dead_rigs_socket_is_taken_over_and_a_live_one_is_not() {
     let bench = Bench::new();
-    assert_eq!(refused(Settings::of(bench.socket.clone())), "R0630");
+    assert_eq!(refused(SocketSettings::of(bench.socket.clone())), "R0630");
     bench.client();
     // What a killed rig leaves: a socket that nobody listens at.
     let dead = bench.folder.path().join("dead.sock");
     drop(UnixListener::bind(&dead).expect("a socket"));
-    let serving = serve(Fake::default(), Settings::of(dead.clone()), |_| {}).expect("a socket");
+    let serving = serve(Fake::default(), SocketSettings::of(dead.clone()), |_| {}).expect("a socket");
     let mut client = Client::connect(serving.path());
     assert_eq!(client.line()["client"], 1);
     // Somebody removed the file, and another rig serves its name now: that one's file stays.
     fs::remove_file(&dead).expect("the file");
-    let other = serve(Fake::default(), Settings::of(dead.clone()), |_| {}).expect("a socket");
+    let other = serve(Fake::default(), SocketSettings::of(dead.clone()), |_| {}).expect("a socket");
     drop(serving);
     let mut client = Client::connect(other.path());
     client.line();
@@ -51,15 +51,15 @@ fn what_cannot_be_a_socket_is_refused_and_stays() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("notes");
     fs::write(&file, "mine").expect("a file");
-    assert_eq!(refused(Settings::of(file.clone())), "R0631");
+    assert_eq!(refused(SocketSettings::of(file.clone())), "R0631");
     assert_eq!(fs::read(&file).expect("the file"), b"mine");
-    assert_eq!(refused(Settings::of(file.join("rig.sock"))), "R0631");
-    assert_eq!(refused(Settings::of(folder.path().join("x".repeat(100)))), "R0631");
+    assert_eq!(refused(SocketSettings::of(file.join("rig.sock"))), "R0631");
+    assert_eq!(refused(SocketSettings::of(folder.path().join("x".repeat(100)))), "R0631");
     let group = Some("no-such-group-of-anybody".into());
-    let settings = Settings { group, ..Settings::of(folder.path().join("rig.sock")) };
+    let settings = SocketSettings { group, ..SocketSettings::of(folder.path().join("rig.sock")) };
     assert_eq!(refused(settings), "R0632");
     // A folder that is not there yet is made.
     let deep = folder.path().join("a/b/rig.sock");
-    drop(serve(Fake::default(), Settings::of(deep.clone()), |_| {}).expect("a socket"));
+    drop(serve(Fake::default(), SocketSettings::of(deep.clone()), |_| {}).expect("a socket"));
     assert!(deep.parent().is_some_and(std::path::Path::is_dir) && !deep.exists());
 }

@@ -9,9 +9,9 @@
 //! cause    tag, then the fields of its kind                              if CAUSE: not the signal's last one
 //! ```
 //!
-//! Every event has exactly one encoding by [`State::encode`], which is what the digest is taken of.
+//! Every event has exactly one encoding by [`CodecState::encode`], which is what the digest is taken of.
 
-use crate::{Cause, Event, Gap, SignalId, Time, Value, When};
+use crate::{Cause, Event, SignalGap, SignalId, Time, Value, When};
 
 /// No event is longer: 6 + 10 + 10 + 12 + 10 bytes.
 pub(super) const MAX_EVENT: usize = 48;
@@ -32,7 +32,7 @@ const SIGNAL_SHIFT: u32 = 6;
 
 /// What encoding and decoding need to know of the events before.
 #[derive(Clone, Debug, Default)]
-pub(super) struct State {
+pub(super) struct CodecState {
     earliest: i64,
     last: Vec<Option<Event>>,
 }
@@ -46,7 +46,7 @@ pub(super) enum CodeFault {
     Bad,
 }
 
-impl State {
+impl CodecState {
     /// Makes room for one more signal, so that noting its events never allocates.
     pub(super) fn add_signal(&mut self) {
         self.last.push(None);
@@ -128,10 +128,10 @@ impl State {
                 Cause::Gap(gap) => {
                     writer.byte(5);
                     writer.byte(match gap {
-                        Gap::OpenWire => 0,
-                        Gap::Failed => 1,
-                        Gap::Below => 2,
-                        Gap::Above => 3,
+                        SignalGap::OpenWire => 0,
+                        SignalGap::Failed => 1,
+                        SignalGap::Below => 2,
+                        SignalGap::Above => 3,
                     });
                 }
                 Cause::Port(port) => {
@@ -199,7 +199,7 @@ impl State {
                     file: u16::try_from(reader.varint()?).map_err(|_| CodeFault::Bad)?,
                     line: u32::try_from(reader.varint()?).map_err(|_| CodeFault::Bad)?,
                 },
-                5 => Cause::Gap(*Gap::ALL.get(usize::from(reader.byte()?)).ok_or(CodeFault::Bad)?),
+                5 => Cause::Gap(*SignalGap::ALL.get(usize::from(reader.byte()?)).ok_or(CodeFault::Bad)?),
                 6 => Cause::Port(reader.byte()?),
                 _ => return Err(CodeFault::Bad),
             }
@@ -215,7 +215,7 @@ impl State {
         out.extend_from_slice(&self.earliest.to_le_bytes());
         let known = self.last.iter().flatten();
         put_varint(out, known.clone().count() as u64);
-        let mut fresh = State { earliest: 0, last: Vec::new() };
+        let mut fresh = CodecState { earliest: 0, last: Vec::new() };
         let mut buffer = [0; MAX_EVENT];
         for event in known {
             // Each signal comes once, so that only `earliest` of the fresh state matters.
@@ -225,12 +225,12 @@ impl State {
         }
     }
 
-    /// Reads what [`State::save`] wrote.
-    pub(super) fn restore(bytes: &[u8], signals: usize) -> Result<State, CodeFault> {
+    /// Reads what [`CodecState::save`] wrote.
+    pub(super) fn restore(bytes: &[u8], signals: usize) -> Result<CodecState, CodeFault> {
         let mut reader = CodeReader::new(bytes);
         let earliest = reader.u64()? as i64;
         let known = reader.varint()?;
-        let mut state = State { earliest: 0, last: vec![None; signals] };
+        let mut state = CodecState { earliest: 0, last: vec![None; signals] };
         let mut at = reader.at;
         for _ in 0..known {
             at += state.decode(&bytes[at..], signals)?.1;

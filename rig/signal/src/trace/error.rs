@@ -7,7 +7,7 @@ use crate::SignalId;
 
 /// Which transfer failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Transfer {
+pub enum TraceTransfer {
     /// Moving a full segment to the store.
     Spill,
     /// Reading a segment back from the store.
@@ -30,7 +30,7 @@ pub enum TraceError {
     /// A transfer failed. After a failed spill the trace takes no more events.
     Io {
         /// Which one.
-        transfer: Transfer,
+        transfer: TraceTransfer,
         /// What the system said.
         kind: io::ErrorKind,
     },
@@ -77,10 +77,10 @@ impl fmt::Display for TraceError {
             Self::TooManySignals => write!(f, "a trace holds at most {} signals", super::MAX_SIGNALS),
             Self::Io { transfer, kind } => {
                 let what = match transfer {
-                    Transfer::Spill => "a part of the trace could not be stored",
-                    Transfer::Recall => "a stored part of the trace could not be read back",
-                    Transfer::Save => "the trace file could not be written",
-                    Transfer::Load => "the trace file could not be read",
+                    TraceTransfer::Spill => "a part of the trace could not be stored",
+                    TraceTransfer::Recall => "a stored part of the trace could not be read back",
+                    TraceTransfer::Save => "the trace file could not be written",
+                    TraceTransfer::Load => "the trace file could not be read",
                 };
                 write!(f, "{what}: {kind}")
             }

@@ -14,8 +14,8 @@
 
 use std::io::{self, Read, Write};
 
-use super::code::{CodeFault, CodeReader, MAX_EVENT, State, put_text};
-use super::error::{TraceError, Transfer};
+use super::code::{CodeFault, CodeReader, CodecState, MAX_EVENT, put_text};
+use super::error::{TraceError, TraceTransfer};
 use super::info::{info_bytes, put_info, read_info};
 use super::segment::Fetched;
 use super::{Trace, note_bytes};
@@ -82,7 +82,7 @@ impl Trace {
         payload.extend_from_slice(&self.events.to_le_bytes());
         payload.extend_from_slice(&self.digest());
         put_chunk(out, b'Z', &payload)?;
-        out.flush().map_err(|error| TraceError::Io { transfer: Transfer::Save, kind: error.kind() })
+        out.flush().map_err(|error| TraceError::Io { transfer: TraceTransfer::Save, kind: error.kind() })
     }
 
     /// Reads a trace file of any origin into memory and proves that it is whole.
@@ -103,7 +103,7 @@ impl Trace {
         }
         let mut loader = Loader {
             trace: Trace::new(),
-            state: State::default(),
+            state: CodecState::default(),
             pending: Vec::new(),
             in_events: false,
             left: limits.bytes,
@@ -126,7 +126,7 @@ impl Trace {
 }
 
 fn put(out: &mut dyn Write, bytes: &[u8]) -> Result<(), TraceError> {
-    out.write_all(bytes).map_err(|error| TraceError::Io { transfer: Transfer::Save, kind: error.kind() })
+    out.write_all(bytes).map_err(|error| TraceError::Io { transfer: TraceTransfer::Save, kind: error.kind() })
 }
 
 fn put_chunk(out: &mut dyn Write, tag: u8, payload: &[u8]) -> Result<(), TraceError> {
@@ -160,7 +160,9 @@ impl SourceBytes<'_> {
                 Ok(0) => break,
                 Ok(count) => have += count,
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                Err(error) => return Err(TraceError::Io { transfer: Transfer::Load, kind: error.kind() }),
+                Err(error) => {
+                    return Err(TraceError::Io { transfer: TraceTransfer::Load, kind: error.kind() });
+                }
             }
         }
         self.offset += have as u64;
@@ -208,7 +210,7 @@ impl SourceBytes<'_> {
 /// A trace that is being loaded.
 struct Loader {
     trace: Trace,
-    state: State,
+    state: CodecState,
     /// The beginning of an event whose end is in the next chunk.
     pending: Vec<u8>,
     in_events: bool,

@@ -1,18 +1,18 @@
 //! The encoding of signal definitions, for the digest and for the file.
 
 use super::code::{CodeFault, CodeReader, put_text, put_varint};
-use crate::{ClockDomain, Kind, Policy, Sampling, SignalInfo, Span};
+use crate::{ClockDomain, Policy, Sampling, SignalInfo, Span, ValueKind};
 
 /// Appends a definition.
 pub(super) fn put_info(out: &mut Vec<u8>, info: &SignalInfo) {
     put_text(out, &info.name);
     out.push(match info.kind {
-        Kind::Bool => 0,
-        Kind::Int => 1,
-        Kind::Word => 2,
-        Kind::Real => 3,
-        Kind::State => 4,
-        Kind::Mark => 5,
+        ValueKind::Bool => 0,
+        ValueKind::Int => 1,
+        ValueKind::Word => 2,
+        ValueKind::Real => 3,
+        ValueKind::State => 4,
+        ValueKind::Mark => 5,
     });
     put_text(out, &info.unit);
     put_varint(out, info.labels.len() as u64);
@@ -47,12 +47,12 @@ pub(super) fn read_info(bytes: &[u8]) -> Result<SignalInfo, CodeFault> {
     let mut reader = CodeReader::new(bytes);
     let name = reader.text()?.to_string();
     let kind = match reader.byte()? {
-        0 => Kind::Bool,
-        1 => Kind::Int,
-        2 => Kind::Word,
-        3 => Kind::Real,
-        4 => Kind::State,
-        5 => Kind::Mark,
+        0 => ValueKind::Bool,
+        1 => ValueKind::Int,
+        2 => ValueKind::Word,
+        3 => ValueKind::Real,
+        4 => ValueKind::State,
+        5 => ValueKind::Mark,
         _ => return Err(CodeFault::Bad),
     };
     let unit = reader.text()?.to_string();

@@ -19,12 +19,12 @@ use std::fmt;
 
 use sha2::{Digest, Sha256};
 
-use crate::{Cause, Event, Kind, Policy, SignalId, SignalInfo, Time, Value, When};
-use code::{MAX_EVENT, State};
+use crate::{Cause, Event, Policy, SignalId, SignalInfo, Time, Value, ValueKind, When};
+use code::{CodecState, MAX_EVENT};
 use policy::HeldChange;
 use segment::Segments;
 
-pub use error::{TraceError, Transfer};
+pub use error::{TraceError, TraceTransfer};
 pub use file::LoadLimits;
 pub use read::{Cursor, Events, EventsBetween};
 pub use segment::Spill;
@@ -42,7 +42,7 @@ pub struct Trace {
     notes: BTreeMap<String, String>,
     /// Memory taken by `signals`, `names` and `notes`, roughly.
     described_bytes: usize,
-    state: State,
+    state: CodecState,
     waiting: HeldChange,
     segments: Segments,
     events: u64,
@@ -90,7 +90,7 @@ impl Trace {
             names: BTreeMap::new(),
             notes: BTreeMap::new(),
             described_bytes: 0,
-            state: State::default(),
+            state: CodecState::default(),
             waiting: HeldChange::new(),
             segments: Segments::new(segment_bytes, bound, store),
             events: 0,
@@ -157,7 +157,7 @@ impl Trace {
     }
 
     /// Records an event and returns it as the trace has it; `None` if it is none: the signal has this value already
-    /// (a [`Kind::Mark`] excepted, and a value that is now unknown for another reason), or its [`Policy`] drops it. A signal's first value is always kept.
+    /// (a [`ValueKind::Mark`] excepted, and a value that is now unknown for another reason), or its [`Policy`] drops it. A signal's first value is always kept.
     ///
     /// # Errors
     /// [`TraceError::UnknownSignal`]; [`TraceError::Io`] if a full segment cannot be stored, and from then on
@@ -171,7 +171,7 @@ impl Trace {
         }
         let last = self.state.last(event.signal);
         let admitted = match (info.kind, info.policy) {
-            (Kind::Mark, _) => return self.append(event).map(Some),
+            (ValueKind::Mark, _) => return self.append(event).map(Some),
             (_, Policy::AtMostEvery(span)) => self.waiting.admit(info, span, last, event),
             (_, policy) => last.is_none_or(|last| policy::keeps(policy, last, &event)).then_some(event),
         };

@@ -1,7 +1,7 @@
 //! Reading a trace: from the beginning, from where a cursor stands, or a window of time.
 
 use super::Trace;
-use super::code::State;
+use super::code::CodecState;
 use super::error::TraceError;
 use super::segment::Fetched;
 use crate::{Event, SignalId, Time};
@@ -11,7 +11,7 @@ use crate::{Event, SignalId, Time};
 pub struct Cursor {
     segment: usize,
     offset: usize,
-    state: State,
+    state: CodecState,
     fetched: Fetched,
 }
 
@@ -25,7 +25,7 @@ impl Cursor {
     fn at_segment(trace: &Trace, segment: usize) -> Result<Cursor, TraceError> {
         let mut cursor = Cursor { segment, ..Cursor::default() };
         if let Some((state, _)) = trace.segments.get(segment, &mut cursor.fetched)? {
-            cursor.state = State::restore(state, trace.signals.len()).map_err(|_| damaged(segment))?;
+            cursor.state = CodecState::restore(state, trace.signals.len()).map_err(|_| damaged(segment))?;
         }
         Ok(cursor)
     }

@@ -6,8 +6,8 @@
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::code::{MAX_EVENT, State};
-use super::error::{TraceError, Transfer};
+use super::code::{CodecState, MAX_EVENT};
+use super::error::{TraceError, TraceTransfer};
 use crate::{Time, When};
 
 /// A place for the segments that memory has no room for: an empty file, opened for reading and writing.
@@ -83,7 +83,7 @@ pub(super) struct Segments {
 
 impl Segments {
     pub(super) fn new(segment_bytes: usize, bound: usize, store: Option<Box<dyn Spill>>) -> Self {
-        let open = OpenSegment::new(Vec::new(), &State::default(), segment_bytes);
+        let open = OpenSegment::new(Vec::new(), &CodecState::default(), segment_bytes);
         Segments {
             full: Vec::new(),
             open,
@@ -120,7 +120,7 @@ impl Segments {
 
     /// Closes the growing segment and begins the next one at `state`; moves segments to the store while memory
     /// holds more than the bound.
-    pub(super) fn close(&mut self, state: &State) -> Result<(), TraceError> {
+    pub(super) fn close(&mut self, state: &CodecState) -> Result<(), TraceError> {
         let next = OpenSegment::new(std::mem::take(&mut self.spare), state, self.segment_bytes);
         let done = std::mem::replace(&mut self.open, next);
         self.held_bytes += done.bytes.capacity();
@@ -147,7 +147,7 @@ impl Segments {
         store
             .seek(SeekFrom::Start(self.stored_bytes))
             .and_then(|_| store.write_all(bytes))
-            .map_err(|error| TraceError::Io { transfer: Transfer::Spill, kind: error.kind() })?;
+            .map_err(|error| TraceError::Io { transfer: TraceTransfer::Spill, kind: error.kind() })?;
         let crc = crc32fast::hash(bytes);
         let length = bytes.len();
         self.held_bytes -= bytes.capacity();
@@ -182,8 +182,10 @@ impl Segments {
             SegmentPlace::Store { offset, length, crc } => {
                 if fetched.segment != Some(segment) {
                     fetched.segment = None;
-                    self.fetch(*offset, *length, &mut fetched.bytes)
-                        .map_err(|error| TraceError::Io { transfer: Transfer::Recall, kind: error.kind() })?;
+                    self.fetch(*offset, *length, &mut fetched.bytes).map_err(|error| TraceError::Io {
+                        transfer: TraceTransfer::Recall,
+                        kind: error.kind(),
+                    })?;
                     if crc32fast::hash(&fetched.bytes) != *crc {
                         return Err(TraceError::SpillDamaged { segment });
                     }
@@ -222,7 +224,7 @@ fn lock<'a>(store: &'a Mutex<Box<dyn Spill>>) -> MutexGuard<'a, Box<dyn Spill>> 
 }
 
 impl OpenSegment {
-    fn new(mut bytes: Vec<u8>, state: &State, segment_bytes: usize) -> Self {
+    fn new(mut bytes: Vec<u8>, state: &CodecState, segment_bytes: usize) -> Self {
         bytes.clear();
         state.save(&mut bytes);
         let stream_at = bytes.len();

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 use proptest::prelude::*;
 
 use super::*;
-use crate::{Cause, ClockDomain, Gap, Sampling, Span, Time, Value};
+use crate::{Cause, ClockDomain, Sampling, SignalGap, Span, Time, Value};
 
 const SIGNALS: u32 = 4;
 
@@ -82,7 +82,7 @@ fn any_cause() -> impl Strategy<Value = Cause> {
         Just(Cause::Board),
         any::<u16>().prop_map(Cause::Step),
         any::<u8>().prop_map(Cause::Port),
-        proptest::sample::select(Gap::ALL.to_vec()).prop_map(Cause::Gap),
+        proptest::sample::select(SignalGap::ALL.to_vec()).prop_map(Cause::Gap),
         (any::<u8>(), any::<u16>(), any::<u32>()).prop_map(|(task, file, line)| Cause::Program {
             task,
             file,
@@ -130,7 +130,7 @@ fn crowded_events(max: usize) -> impl Strategy<Value = Vec<Event>> {
 
 fn with_signals(mut trace: Trace) -> Trace {
     for n in 0..SIGNALS {
-        let kind = if n == 0 { Kind::Mark } else { Kind::Int };
+        let kind = if n == 0 { ValueKind::Mark } else { ValueKind::Int };
         trace.define(SignalInfo::exact(format!("s{n}"), kind)).unwrap();
     }
     trace
@@ -315,9 +315,9 @@ proptest! {
     #[test]
     fn no_bytes_panic(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
         prop_assert!(Trace::load(&mut bytes.as_slice(), LoadLimits::default()).is_err());
-        let _ = State::restore(&bytes, 3);
+        let _ = CodecState::restore(&bytes, 3);
         let _ = info::read_info(&bytes);
-        let mut state = State::default();
+        let mut state = CodecState::default();
         let mut at = 0;
         while let Ok((_, length)) = state.decode(&bytes[at..], 3) {
             at += length;
@@ -364,7 +364,7 @@ fn a_failed_store_ends_the_trace() {
             Ok(_) => assert_eq!(errors, 0, "an event after a hole"),
             Err(error) => {
                 let kind = io::ErrorKind::StorageFull;
-                assert_eq!(error, TraceError::Io { transfer: Transfer::Spill, kind });
+                assert_eq!(error, TraceError::Io { transfer: TraceTransfer::Spill, kind });
                 errors += 1;
             }
         }
@@ -391,12 +391,12 @@ fn a_damaged_store_is_noticed() {
 #[test]
 fn a_value_that_is_unknown_for_another_reason_is_an_event() {
     let mut trace = Trace::new();
-    let signal = trace.define(SignalInfo::exact("pressure", Kind::Real)).unwrap();
+    let signal = trace.define(SignalInfo::exact("pressure", ValueKind::Real)).unwrap();
     let mut push =
         |at, value, cause| trace.push(Event { cause, ..change(signal, at, value) }).unwrap().is_some();
-    assert!(push(0, Value::Unknown, Cause::Gap(Gap::OpenWire)));
-    assert!(!push(1, Value::Unknown, Cause::Gap(Gap::OpenWire)));
-    assert!(push(2, Value::Unknown, Cause::Gap(Gap::Above)));
+    assert!(push(0, Value::Unknown, Cause::Gap(SignalGap::OpenWire)));
+    assert!(!push(1, Value::Unknown, Cause::Gap(SignalGap::OpenWire)));
+    assert!(push(2, Value::Unknown, Cause::Gap(SignalGap::Above)));
     assert!(!push(3, Value::Unknown, Cause::Board), "less is said");
 }
 
@@ -406,9 +406,9 @@ fn policies_keep_what_they_say() {
     let mut signal = |name: &str, kind, policy| {
         trace.define(SignalInfo { policy, ..SignalInfo::exact(name, kind) }).unwrap()
     };
-    let band = signal("band", Kind::Real, Policy::Deadband(0.5));
-    let mark = signal("mark", Kind::Mark, Policy::AtMostEvery(Span::from_nanos(10)));
-    let bool = signal("bool", Kind::Bool, Policy::Changes);
+    let band = signal("band", ValueKind::Real, Policy::Deadband(0.5));
+    let mark = signal("mark", ValueKind::Mark, Policy::AtMostEvery(Span::from_nanos(10)));
+    let bool = signal("bool", ValueKind::Bool, Policy::Changes);
     let mut push = |signal, at, value| trace.push(change(signal, at, value)).unwrap().is_some();
     assert!(push(band, 0, Value::Real(1.0)));
     assert!(!push(band, 1, Value::Real(1.5)), "not more than the band");
@@ -442,8 +442,8 @@ fn record(trace: &mut Trace, event: Event) -> Vec<Event> {
 fn a_change_that_comes_too_soon_leaves_the_value_unknown_until_the_time_is_over() {
     let mut trace = Trace::new();
     let policy = Policy::AtMostEvery(Span::from_nanos(10));
-    let slow = trace.define(SignalInfo { policy, ..SignalInfo::exact("slow", Kind::Int) }).unwrap();
-    let clock = trace.define(SignalInfo::exact("clock", Kind::Int)).unwrap();
+    let slow = trace.define(SignalInfo { policy, ..SignalInfo::exact("slow", ValueKind::Int) }).unwrap();
+    let clock = trace.define(SignalInfo::exact("clock", ValueKind::Int)).unwrap();
     let mut record = |event| record(&mut trace, event);
     let int = |at, value| change(slow, at, Value::Int(value));
     let unknown = |at| change(slow, at, Value::Unknown);
@@ -476,7 +476,7 @@ proptest! {
         let mut trace = Trace::new();
         let policy = Policy::AtMostEvery(Span::from_nanos(every));
         for name in ["a", "b"] {
-            trace.define(SignalInfo { policy, ..SignalInfo::exact(name, Kind::Int) }).unwrap();
+            trace.define(SignalInfo { policy, ..SignalInfo::exact(name, ValueKind::Int) }).unwrap();
         }
         let mut now = 0;
         let mut changes = Vec::new();
@@ -509,7 +509,7 @@ proptest! {
 fn signals_have_one_name_each() {
     let mut trace = plain();
     assert_eq!(
-        trace.define(SignalInfo::exact("s2", Kind::Bool)),
+        trace.define(SignalInfo::exact("s2", ValueKind::Bool)),
         Err(TraceError::DuplicateName(SignalId(2)))
     );
     assert_eq!(trace.find("s3"), Some(SignalId(3)));
@@ -521,7 +521,7 @@ fn a_file_repeats_definitions_and_notes() {
     let mut trace = Trace::new();
     let info = SignalInfo {
         name: "tank.level".into(),
-        kind: Kind::State,
+        kind: ValueKind::State,
         unit: "°C".into(),
         labels: vec![(-1, "below".into()), (i64::MAX, String::new())],
         clock: ClockDomain::Device,
@@ -544,7 +544,7 @@ fn a_file_repeats_definitions_and_notes() {
     let digest = trace.digest();
     trace.set_note("seed", "7".into());
     assert_eq!(trace.digest(), digest);
-    trace.define(SignalInfo::exact("more", Kind::Bool)).unwrap();
+    trace.define(SignalInfo::exact("more", ValueKind::Bool)).unwrap();
     assert_ne!(trace.digest(), digest);
 }
 
@@ -573,7 +573,7 @@ fn a_signal_can_be_defined_while_the_trace_is_read() {
     let mut cursor = Cursor::new();
     trace.push(change(SignalId(1), 0, Value::Int(1))).unwrap();
     assert_eq!(trace.since(&mut cursor).count(), 1);
-    let late = trace.define(SignalInfo::exact("late", Kind::Bool)).unwrap();
+    let late = trace.define(SignalInfo::exact("late", ValueKind::Bool)).unwrap();
     trace.push(change(late, 1, Value::Bool(true))).unwrap();
     let events: Vec<_> = trace.since(&mut cursor).collect();
     assert_eq!(events, [Ok(change(late, 1, Value::Bool(true)))]);

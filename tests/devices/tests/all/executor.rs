@@ -13,7 +13,7 @@ use bench::{Bench, Start};
 use devices::{ADC, Adc, Call, Lab, MAIN, MCP3008, PATIENCE, SERIAL_A, bind_spi, wait_for};
 use drivers::serial::{PortSpec, SerialPort};
 use drivers::{BoardContext, BoardExt, BusId};
-use host::{HostInstant, Realtime, Role};
+use host::{HostInstant, Realtime, ThreadRole};
 use memory::{LOOKING, look};
 use signal::{CanFrame, SerialSettings, Span, Time};
 
@@ -72,7 +72,7 @@ fn scans_start_as_punctually_while_a_serial_port_hangs() {
     let spec = PortSpec { path: SERIAL_A.path(), line, rs485: None, low_latency: None, exclusive: true };
     // A thread of the role that ports have on a board.
     let port = std::thread::spawn(move || {
-        Realtime::with_priority(80).enter(Role::Devices).expect("real-time priority");
+        Realtime::with_priority(80).enter(ThreadRole::Devices).expect("real-time priority");
         let runtime = tokio::runtime::Builder::new_current_thread().enable_io().build().unwrap();
         runtime.block_on(async {
             let mut port = SerialPort::open(&spec).unwrap();

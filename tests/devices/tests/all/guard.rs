@@ -1,7 +1,7 @@
 //! The guard on real lines, seen from outside: whatever becomes of a rig, its outputs become safe and stay so.
 
 use devices::{AUX, Call, Lab, Line, MAIN, PATIENCE, program, wait_for};
-use host::{Watchdog, never_stops};
+use host::{WatchdogDevice, never_stops};
 use rustix::process::{Pid, Signal, kill_process};
 use signal::Span;
 use std::fs::File;
@@ -404,7 +404,7 @@ fn bites(bite: &str, end: impl FnOnce(&Lab, &Rig)) {
         end(&lab, &rig);
         wait_for("the watchdog resets the machine", PATIENCE, || false);
     }
-    let dog = Watchdog::open(Path::new(DOG), Span::from_secs(60)).unwrap();
+    let dog = WatchdogDevice::open(Path::new(DOG), Span::from_secs(60)).unwrap();
     let bitten = dog.has_bitten().unwrap();
     dog.stop().unwrap();
     assert!(bitten, "the machine was reset by something else");

@@ -4,20 +4,20 @@
 mod rows;
 
 use super::{View, ViewRequest};
-use crate::canvas::{self, Canvas, Column, column};
+use crate::canvas::{self, Canvas, CanvasColumn, column};
 use crate::glyphs::TerminalFeatures;
 use crate::input_value::{self, ExpectedInput};
-use crate::model::Model;
+use crate::model::RigModel;
 use crate::show;
-use control::{Operation, Value, WireValue};
+use control::{RequestOperation, Value, WireValue};
 use ratatui::Frame;
 use ratatui::crossterm::event::{KeyCode, KeyEvent, MouseButton, MouseEvent, MouseEventKind};
 use ratatui::layout::{Position, Rect};
 use ratatui::style::{Color, Modifier, Style};
-use rows::{Cells, Row, Sort};
+use rows::{Cells, IoRow, Sort};
 
 /// Columns of the table; those that name a width are shown from that width on.
-const COLUMNS: [Column; 8] = [
+const COLUMNS: [CanvasColumn; 8] = [
     column("", 1, false, 0),
     column("Name", 9, false, 0),
     column("Address", 8, false, 0),
@@ -29,7 +29,7 @@ const COLUMNS: [Column; 8] = [
 ];
 
 /// The same where there is room.
-const WIDE: [Column; 12] = [
+const WIDE: [CanvasColumn; 12] = [
     column("", 1, false, 0),
     column("Name", 14, false, 0),
     column("Address", 9, false, 0),
@@ -81,11 +81,11 @@ pub struct IoView {
 }
 
 impl IoView {
-    fn listed(&self, model: &Model) -> Vec<Row> {
+    fn listed(&self, model: &RigModel) -> Vec<IoRow> {
         rows::rows(model, self.variables, &self.named, &self.filter, self.sort)
     }
 
-    fn chosen_row(&self, model: &Model) -> Option<Row> {
+    fn chosen_row(&self, model: &RigModel) -> Option<IoRow> {
         self.listed(model).into_iter().nth(self.chosen)
     }
 
@@ -95,7 +95,7 @@ impl IoView {
     }
 
     /// Forces: the other value is proposed.
-    fn force(&mut self, model: &Model) -> Vec<ViewRequest> {
+    fn force(&mut self, model: &RigModel) -> Vec<ViewRequest> {
         let Some(row) = self.chosen_row(model) else { return Vec::new() };
         let Some(address) = row.forcible(model) else {
             return vec![ViewRequest::Message(
@@ -107,24 +107,27 @@ impl IoView {
         self.prompt(IoPrompt::Force(address.clone()), format!("Force {address} to"), other)
     }
 
-    fn release(&self, model: &Model) -> Vec<ViewRequest> {
+    fn release(&self, model: &RigModel) -> Vec<ViewRequest> {
         let address = self.chosen_row(model).and_then(|row| row.forcible(model));
         match address.filter(|address| model.forced(address).is_some()) {
-            Some(name) => vec![ViewRequest::Operation(Operation::Release { name })],
+            Some(name) => vec![ViewRequest::Operation(RequestOperation::Release { name })],
             None => vec![ViewRequest::Message("this is not forced".to_owned())],
         }
     }
 
-    fn release_all(model: &Model) -> Vec<ViewRequest> {
+    fn release_all(model: &RigModel) -> Vec<ViewRequest> {
         match model.status.forced.len() {
             0 => vec![ViewRequest::Message("nothing is forced".to_owned())],
             count => {
-                vec![ViewRequest::Confirm(format!("Release all forces ({count})?"), Operation::ReleaseAll)]
+                vec![ViewRequest::Confirm(
+                    format!("Release all forces ({count})?"),
+                    RequestOperation::ReleaseAll,
+                )]
             }
         }
     }
 
-    fn write(&mut self, model: &Model) -> Vec<ViewRequest> {
+    fn write(&mut self, model: &RigModel) -> Vec<ViewRequest> {
         let Some(row) = self.chosen_row(model) else { return Vec::new() };
         let (name, expected) = row.writable(model);
         let unit = if expected.duration { show::NANOSECONDS } else { "" };
@@ -165,28 +168,28 @@ impl View for IoView {
         self.shown = shown;
     }
 
-    fn signals(&self, model: &Model) -> Vec<(String, bool)> {
+    fn signals(&self, model: &RigModel) -> Vec<(String, bool)> {
         if !self.shown {
             return Vec::new();
         }
         let rows = self.listed(model);
         let (first, count) = self.window();
         let window = rows.iter().skip(first).take(count);
-        let points = (0..model.description.points.len()).map(Row::Point);
-        let watched: Vec<Row> = if model.description.points.len() <= WATCHED {
-            points.chain(window.filter(|row| !matches!(row, Row::Point(_))).cloned()).collect()
+        let points = (0..model.description.points.len()).map(IoRow::Point);
+        let watched: Vec<IoRow> = if model.description.points.len() <= WATCHED {
+            points.chain(window.filter(|row| !matches!(row, IoRow::Point(_))).cloned()).collect()
         } else {
             window.cloned().collect()
         };
         watched.iter().flat_map(|row| row.signals(model)).map(|name| (name, false)).collect()
     }
 
-    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, features: TerminalFeatures) {
+    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &RigModel, features: TerminalFeatures) {
         let rows = self.listed(model);
         self.chosen = self.chosen.min(rows.len().saturating_sub(1));
         let mut canvas = Canvas::new(frame, area, features);
         let wide = area.width >= WIDE_FROM;
-        let columns: &[Column] = if wide { &WIDE } else { &COLUMNS };
+        let columns: &[CanvasColumn] = if wide { &WIDE } else { &COLUMNS };
         canvas::titles(&mut canvas, 0, columns);
         self.titles = title_places(columns, area);
         let height = area.height.saturating_sub(4);
@@ -218,7 +221,7 @@ impl View for IoView {
         }
     }
 
-    fn key(&mut self, key: KeyEvent, model: &Model) -> Option<Vec<ViewRequest>> {
+    fn key(&mut self, key: KeyEvent, model: &RigModel) -> Option<Vec<ViewRequest>> {
         let canvas = self.window().1;
         match key.code {
             KeyCode::Up => self.chosen = self.chosen.saturating_sub(1),
@@ -242,7 +245,7 @@ impl View for IoView {
                 return Some(self.prompt(IoPrompt::Name, ask, String::new()));
             }
             KeyCode::Char('d') => {
-                if let Some(Row::Named(name)) = self.chosen_row(model) {
+                if let Some(IoRow::Named(name)) = self.chosen_row(model) {
                     self.named.retain(|kept| *kept != name);
                 }
             }
@@ -253,7 +256,7 @@ impl View for IoView {
         Some(Vec::new())
     }
 
-    fn mouse(&mut self, mouse: MouseEvent, model: &Model) -> Vec<ViewRequest> {
+    fn mouse(&mut self, mouse: MouseEvent, model: &RigModel) -> Vec<ViewRequest> {
         let at = Position::new(mouse.column, mouse.row);
         match mouse.kind {
             MouseEventKind::Down(MouseButton::Left) => {
@@ -276,7 +279,7 @@ impl View for IoView {
         Vec::new()
     }
 
-    fn typed(&mut self, text: &str, _model: &Model) -> Vec<ViewRequest> {
+    fn typed(&mut self, text: &str, _model: &RigModel) -> Vec<ViewRequest> {
         let text = text.trim();
         let asked = match self.prompt_for.take() {
             Some(IoPrompt::Filter) => {
@@ -291,9 +294,9 @@ impl View for IoView {
                 return Vec::new();
             }
             Some(IoPrompt::Force(name)) => input_value::value(text, &ExpectedInput::level())
-                .map(|value| Operation::Force { name, value }),
+                .map(|value| RequestOperation::Force { name, value }),
             Some(IoPrompt::Write(name, expected)) => {
-                input_value::value(text, &expected).map(|value| Operation::Write { name, value })
+                input_value::value(text, &expected).map(|value| RequestOperation::Write { name, value })
             }
             None => return Vec::new(),
         };
@@ -305,7 +308,7 @@ impl View for IoView {
 }
 
 /// Where titles stand that sort when they are clicked.
-fn title_places(columns: &[Column], area: Rect) -> Vec<(Rect, Sort)> {
+fn title_places(columns: &[CanvasColumn], area: Rect) -> Vec<(Rect, Sort)> {
     let mut x = area.x + 1;
     let mut places = Vec::new();
     for column in columns {
@@ -379,12 +382,12 @@ fn wide_texts(cells: &Cells) -> Vec<String> {
 }
 
 /// All about a row, in two lines.
-fn about(row: &Row, model: &Model) -> (String, String) {
+fn about(row: &IoRow, model: &RigModel) -> (String, String) {
     let cells = row.cells(model);
     let words = [&cells.name, &cells.address, &cells.variable];
     let names: Vec<&str> = words.into_iter().map(String::as_str).filter(|word| !word.is_empty()).collect();
     let names = names.join("  ");
-    let Row::Point(place) = row else {
+    let IoRow::Point(place) = row else {
         return (format!("{names} = {}", cells.image_text), String::new());
     };
     let point = &model.description.points[*place];

@@ -1,14 +1,14 @@
 //! The rows of the table: which ones, in which order, and what stands in them.
 
 use crate::input_value::ExpectedInput;
-use crate::model::Model;
+use crate::model::RigModel;
 use crate::show;
-use control::{Direction, Point, PointStatus, Signal, SignalKind, WireValue};
+use control::{PointDirection, PointInfo, PointStatus, Signal, SignalKind, WireValue};
 use std::cmp::Ordering;
 
 /// A row.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Row {
+pub(super) enum IoRow {
     /// The point at this place of the description.
     Point(usize),
     /// The signal at this place of it.
@@ -80,32 +80,32 @@ pub(super) struct Cells {
     pub by: String,
 }
 
-impl Row {
+impl IoRow {
     /// The signals that show it.
-    pub fn signals(&self, model: &Model) -> Vec<String> {
+    pub fn signals(&self, model: &RigModel) -> Vec<String> {
         match self {
-            Row::Point(place) => {
+            IoRow::Point(place) => {
                 let point = &model.description.points[*place];
                 let channel = point.channel.as_ref().map(|channel| channel.name.clone());
                 point.image.clone().into_iter().chain(channel).collect()
             }
-            Row::Signal(place) => vec![model.description.signals[*place].name.clone()],
-            Row::Named(name) => vec![name.clone()],
+            IoRow::Signal(place) => vec![model.description.signals[*place].name.clone()],
+            IoRow::Named(name) => vec![name.clone()],
         }
     }
 
     /// What can be forced of it, by its address, and whether that is a point with two values.
-    pub fn forcible(&self, model: &Model) -> Option<String> {
-        let Row::Point(place) = self else { return None };
+    pub fn forcible(&self, model: &RigModel) -> Option<String> {
+        let IoRow::Point(place) = self else { return None };
         let point = &model.description.points[*place];
         let name = || point.address.clone().unwrap_or_else(|| point.name.clone());
         point.forcible.then(name)
     }
 
     /// What a value is written to, with the kind and the names of its values.
-    pub fn writable(&self, model: &Model) -> (String, ExpectedInput) {
+    pub fn writable(&self, model: &RigModel) -> (String, ExpectedInput) {
         match self {
-            Row::Point(place) => {
+            IoRow::Point(place) => {
                 let point = &model.description.points[*place];
                 let name = point.variable.clone().or_else(|| point.address.clone());
                 // What is in the image of an analog point are its steps.
@@ -113,24 +113,24 @@ impl Row {
                 let expected = if is_level { ExpectedInput::level() } else { ExpectedInput::default() };
                 (name.unwrap_or_else(|| point.name.clone()), expected)
             }
-            Row::Signal(place) => {
+            IoRow::Signal(place) => {
                 let signal = &model.description.signals[*place];
                 (signal.name.clone(), ExpectedInput::of(signal))
             }
-            Row::Named(name) => (name.clone(), ExpectedInput::default()),
+            IoRow::Named(name) => (name.clone(), ExpectedInput::default()),
         }
     }
 
     /// What stands in it.
-    pub fn cells(&self, model: &Model) -> Cells {
+    pub fn cells(&self, model: &RigModel) -> Cells {
         let value = |name: &str| model.values.get(name).map(|(_, value)| *value);
         match self {
-            Row::Point(place) => point_cells(*place, &model.description.points[*place], model),
-            Row::Signal(place) => {
+            IoRow::Point(place) => point_cells(*place, &model.description.points[*place], model),
+            IoRow::Signal(place) => {
                 let signal = &model.description.signals[*place];
                 signal_cells(signal, value(&signal.name))
             }
-            Row::Named(name) => {
+            IoRow::Named(name) => {
                 let image = value(name);
                 let image_text = image.map_or("...".to_owned(), |image| show::value(image, &[]));
                 Cells { name: name.clone(), image, image_text, ..Cells::default() }
@@ -144,7 +144,7 @@ fn signal_cells(signal: &Signal, image: Option<WireValue>) -> Cells {
     Cells { variable: signal.name.clone(), image, image_text, ..Cells::default() }
 }
 
-fn point_cells(place: usize, point: &Point, model: &Model) -> Cells {
+fn point_cells(place: usize, point: &PointInfo, model: &RigModel) -> Cells {
     let value = |name: &Option<String>| {
         name.as_ref().and_then(|name| model.values.get(name)).map(|(_, value)| *value)
     };
@@ -160,9 +160,9 @@ fn point_cells(place: usize, point: &Point, model: &Model) -> Cells {
         address: point.address.clone().unwrap_or_default(),
         variable: point.variable.clone().unwrap_or_default(),
         direction: match point.direction {
-            Direction::Input => "input",
-            Direction::Output => "output",
-            Direction::Loose => "loose",
+            PointDirection::Input => "input",
+            PointDirection::Output => "output",
+            PointDirection::Loose => "loose",
         },
         image,
         image_text: if point.image.is_some() { text(image, "") } else { "-".to_owned() },
@@ -203,20 +203,26 @@ fn point_cells(place: usize, point: &Point, model: &Model) -> Cells {
 }
 
 /// The rows that are shown: those with every word of the filter somewhere in them, in this order.
-pub(super) fn rows(model: &Model, variables: bool, named: &[String], filter: &str, sort: Sort) -> Vec<Row> {
-    let named = named.iter().map(|name| Row::Named(name.clone()));
-    let points = (0..model.description.points.len()).map(Row::Point);
+pub(super) fn rows(
+    model: &RigModel,
+    variables: bool,
+    named: &[String],
+    filter: &str,
+    sort: Sort,
+) -> Vec<IoRow> {
+    let named = named.iter().map(|name| IoRow::Named(name.clone()));
+    let points = (0..model.description.points.len()).map(IoRow::Point);
     let signals = if variables { 0..model.description.signals.len() } else { 0..0 };
-    let all = named.chain(points).chain(signals.map(Row::Signal));
+    let all = named.chain(points).chain(signals.map(IoRow::Signal));
     if filter.is_empty() && sort == Sort::Order {
         return all.collect();
     }
     let words: Vec<String> = filter.split_whitespace().map(str::to_lowercase).collect();
-    let with_cells = |row: Row| {
+    let with_cells = |row: IoRow| {
         let cells = row.cells(model);
         (row, cells)
     };
-    let mut rows: Vec<(Row, Cells)> = all.map(with_cells).collect();
+    let mut rows: Vec<(IoRow, Cells)> = all.map(with_cells).collect();
     rows.retain(|(row, cells)| {
         let text = searched(row, cells, model);
         words.iter().all(|word| text.contains(word))
@@ -226,7 +232,7 @@ pub(super) fn rows(model: &Model, variables: bool, named: &[String], filter: &st
 }
 
 /// Everything that a filter looks at.
-fn searched(row: &Row, cells: &Cells, model: &Model) -> String {
+fn searched(row: &IoRow, cells: &Cells, model: &RigModel) -> String {
     let mut text = [
         &*cells.name,
         &*cells.address,
@@ -238,7 +244,7 @@ fn searched(row: &Row, cells: &Cells, model: &Model) -> String {
         if cells.lost { "lost" } else { "" },
     ]
     .join(" ");
-    if let Row::Point(place) = row
+    if let IoRow::Point(place) = row
         && let Some(channel) = &model.description.points[*place].channel
     {
         text.push(' ');

@@ -6,9 +6,9 @@ mod progress;
 use super::{View, ViewRequest};
 use crate::canvas::{self, Canvas};
 use crate::glyphs::TerminalFeatures;
-use crate::model::Model;
+use crate::model::RigModel;
 use crate::show;
-use control::Operation;
+use control::RequestOperation;
 use progress::{CaseProgress, PlanProgress, StepProgress};
 use ratatui::Frame;
 use ratatui::crossterm::event::{KeyCode, KeyEvent, MouseButton, MouseEvent, MouseEventKind};
@@ -55,20 +55,20 @@ impl View for PlanView {
         }
     }
 
-    fn opened(&mut self, model: &Model) -> Vec<ViewRequest> {
+    fn opened(&mut self, model: &RigModel) -> Vec<ViewRequest> {
         self.list = model.status.plan.is_none() && model.plan.is_empty();
         if model.plans.is_none() {
-            vec![ViewRequest::Operation(Operation::Plans { path: None })]
+            vec![ViewRequest::Operation(RequestOperation::Plans { path: None })]
         } else {
             Vec::new()
         }
     }
 
-    fn signals(&self, _model: &Model) -> Vec<(String, bool)> {
+    fn signals(&self, _model: &RigModel) -> Vec<(String, bool)> {
         Vec::new()
     }
 
-    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, features: TerminalFeatures) {
+    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &RigModel, features: TerminalFeatures) {
         let mut canvas = Canvas::new(frame, area, features);
         if self.list {
             self.draw_list(&mut canvas, model);
@@ -77,12 +77,12 @@ impl View for PlanView {
         }
     }
 
-    fn key(&mut self, key: KeyEvent, model: &Model) -> Option<Vec<ViewRequest>> {
+    fn key(&mut self, key: KeyEvent, model: &RigModel) -> Option<Vec<ViewRequest>> {
         match key.code {
             KeyCode::Char('l') => self.list = !self.list,
             KeyCode::Char('x') if model.status.plan.is_some() => {
                 let question = "Abort the plan? The controller restarts.".to_owned();
-                return Some(vec![ViewRequest::Confirm(question, Operation::Abort)]);
+                return Some(vec![ViewRequest::Confirm(question, RequestOperation::Abort)]);
             }
             KeyCode::Char('o') => {
                 self.typing = PlanPrompt::Folder;
@@ -105,7 +105,7 @@ impl View for PlanView {
         Some(Vec::new())
     }
 
-    fn mouse(&mut self, mouse: MouseEvent, model: &Model) -> Vec<ViewRequest> {
+    fn mouse(&mut self, mouse: MouseEvent, model: &RigModel) -> Vec<ViewRequest> {
         let inside = self.rows.contains((mouse.column, mouse.row).into());
         match mouse.kind {
             MouseEventKind::Down(MouseButton::Left) if inside => {
@@ -124,14 +124,14 @@ impl View for PlanView {
         Vec::new()
     }
 
-    fn typed(&mut self, text: &str, _model: &Model) -> Vec<ViewRequest> {
+    fn typed(&mut self, text: &str, _model: &RigModel) -> Vec<ViewRequest> {
         let text = text.trim();
         match self.typing {
             PlanPrompt::Filter => self.filter = text.to_owned(),
             PlanPrompt::Folder => {
                 self.list = true;
                 let path = (!text.is_empty()).then(|| text.to_owned());
-                return vec![ViewRequest::Operation(Operation::Plans { path })];
+                return vec![ViewRequest::Operation(RequestOperation::Plans { path })];
             }
         }
         Vec::new()
@@ -140,13 +140,13 @@ impl View for PlanView {
 
 impl PlanView {
     /// The plans that the filter lets through.
-    fn wanted<'a>(&self, model: &'a Model) -> Vec<&'a str> {
+    fn wanted<'a>(&self, model: &'a RigModel) -> Vec<&'a str> {
         let filter = self.filter.to_lowercase();
         let plans = model.plans.iter().flatten();
         plans.map(String::as_str).filter(|name| name.to_lowercase().contains(&filter)).collect()
     }
 
-    fn run(&mut self, model: &Model) -> Vec<ViewRequest> {
+    fn run(&mut self, model: &RigModel) -> Vec<ViewRequest> {
         if model.status.plan.is_some() {
             return vec![ViewRequest::Message("A plan runs already; x aborts it.".to_owned())];
         }
@@ -159,11 +159,11 @@ impl PlanView {
             "Run `{name}` on the board? The controller stops with safe outputs, the plan moves the outputs, and the \
              controller restarts."
         );
-        vec![ViewRequest::Confirm(question, Operation::Plan { name })]
+        vec![ViewRequest::Confirm(question, RequestOperation::Plan { name })]
     }
 
     /// Up or down the list, or the cases.
-    fn step(&mut self, by: isize, model: &Model) {
+    fn step(&mut self, by: isize, model: &RigModel) {
         if self.list {
             let last = self.wanted(model).len().saturating_sub(1);
             self.chosen = self.chosen.saturating_add_signed(by).min(last);
@@ -176,7 +176,7 @@ impl PlanView {
         self.down = 0;
     }
 
-    fn scroll_page(&mut self, by: isize, model: &Model) {
+    fn scroll_page(&mut self, by: isize, model: &RigModel) {
         if self.list {
             self.step(by, model);
         } else {
@@ -184,7 +184,7 @@ impl PlanView {
         }
     }
 
-    fn draw_list(&mut self, canvas: &mut Canvas<'_>, model: &Model) {
+    fn draw_list(&mut self, canvas: &mut Canvas<'_>, model: &RigModel) {
         let filter = if self.filter.is_empty() { String::new() } else { format!(" with `{}`", self.filter) };
         let Some(plans) = &model.plans else {
             canvas.text(1, 0, "The rig has no plans. o: open those of a file or folder.", Style::new());
@@ -206,7 +206,7 @@ impl PlanView {
         }
     }
 
-    fn draw_course(&mut self, canvas: &mut Canvas<'_>, model: &Model) {
+    fn draw_course(&mut self, canvas: &mut Canvas<'_>, model: &RigModel) {
         let course = PlanProgress::of(&model.plan);
         if course.cases.is_empty() {
             let text = match &model.status.plan {
@@ -241,7 +241,7 @@ impl PlanView {
 }
 
 /// How far the plan is, and how it went by now.
-fn draw_progress(canvas: &mut Canvas<'_>, course: &PlanProgress<'_>, model: &Model) {
+fn draw_progress(canvas: &mut Canvas<'_>, course: &PlanProgress<'_>, model: &RigModel) {
     let place = course.cases.last().map_or((0, 0), |case| case.place);
     let name = model.status.plan.as_ref().map_or("", |plan| plan.name.as_str());
     let ended = course.cases.iter().filter(|case| case.end.is_some()).count();
@@ -274,7 +274,7 @@ fn draw_progress(canvas: &mut Canvas<'_>, course: &PlanProgress<'_>, model: &Mod
 }
 
 /// A row of a case's details.
-enum Row<'a> {
+enum DetailRow<'a> {
     Rule(&'a str),
     Text(String, Style),
     Band(&'a control::Measured),
@@ -283,7 +283,7 @@ enum Row<'a> {
 /// Draws steps, claims and measurements of a case from a row on; the row that it was really drawn from.
 fn draw_case(canvas: &mut Canvas<'_>, case: &CaseProgress<'_>, down: usize) -> usize {
     let plain = Style::new();
-    let mut rows = vec![Row::Rule(case.name)];
+    let mut rows = vec![DetailRow::Rule(case.name)];
     let verdict_of = |name: &str| {
         let claims = case.end.iter().flat_map(|end| end.claims);
         let measured = case.end.iter().flat_map(|end| end.measured).find(|one| one.name == name);
@@ -295,7 +295,7 @@ fn draw_case(canvas: &mut Canvas<'_>, case: &CaseProgress<'_>, down: usize) -> u
     };
     if let Some(end) = &case.end {
         let style = style_of(canvas, end.verdict).patch(canvas::bold());
-        rows.push(Row::Text(format!("{}: {}", end.verdict, end.reason), style));
+        rows.push(DetailRow::Text(format!("{}: {}", end.verdict, end.reason), style));
     }
     let now = (canvas.features.utf8, case.end.is_none());
     for ((name, what), step) in case.steps.iter().zip(case.progress()) {
@@ -305,56 +305,58 @@ fn draw_case(canvas: &mut Canvas<'_>, case: &CaseProgress<'_>, down: usize) -> u
             StepProgress::Done(at) => (if now.0 { '✓' } else { '+' }, show::span(at)),
         };
         let style = if step == StepProgress::Pending { canvas.dim() } else { plain };
-        rows.push(Row::Text(format!("{mark} {at:>9}  {name}: {what}"), style));
+        rows.push(DetailRow::Text(format!("{mark} {at:>9}  {name}: {what}"), style));
     }
     if !case.claims.is_empty() {
-        rows.push(Row::Rule("Claims"));
+        rows.push(DetailRow::Rule("Claims"));
     }
     for (name, what) in case.claims {
         match verdict_of(name) {
-            None => rows.push(Row::Text(format!("{:7} {name}: {what}", ""), plain)),
+            None => rows.push(DetailRow::Text(format!("{:7} {name}: {what}", ""), plain)),
             Some((verdict, why)) => {
                 let style = style_of(canvas, verdict);
-                rows.push(Row::Text(format!("{:7} {name}: {what}", word(verdict)), style));
+                rows.push(DetailRow::Text(format!("{:7} {name}: {what}", word(verdict)), style));
                 if verdict != "pass" && !why.is_empty() {
-                    rows.push(Row::Text(format!("{:10}{why}", ""), style));
+                    rows.push(DetailRow::Text(format!("{:10}{why}", ""), style));
                 }
             }
         }
     }
     let measured = case.end.as_ref().map_or(&[][..], |end| end.measured);
     if !measured.is_empty() {
-        rows.push(Row::Rule("Measured"));
+        rows.push(DetailRow::Rule("Measured"));
     }
     for one in measured {
         let style = style_of(canvas, &one.verdict);
-        rows.push(Row::Text(
+        rows.push(DetailRow::Text(
             format!("{:7} {}: {}", word(&one.verdict), one.name, limit_bar::words(one)),
             style,
         ));
-        rows.push(Row::Band(one));
+        rows.push(DetailRow::Band(one));
     }
     let width = usize::from(canvas.width().saturating_sub(2));
-    let rows: Vec<Row<'_>> = rows.into_iter().flat_map(|row| wrapped(row, width)).collect();
+    let rows: Vec<DetailRow<'_>> = rows.into_iter().flat_map(|row| wrapped(row, width)).collect();
     let down = down.min(rows.len().saturating_sub(usize::from(canvas.height())));
     for (y, row) in (0..canvas.height()).zip(&rows[down..]) {
         match row {
-            Row::Rule(title) => canvas.rule(y, title),
-            Row::Text(text, style) => {
+            DetailRow::Rule(title) => canvas.rule(y, title),
+            DetailRow::Text(text, style) => {
                 canvas.text(1, y, text, *style);
             }
-            Row::Band(measured) => limit_bar::draw(canvas, 9, y, canvas.width().saturating_sub(11), measured),
+            DetailRow::Band(measured) => {
+                limit_bar::draw(canvas, 9, y, canvas.width().saturating_sub(11), measured)
+            }
         }
     }
     down
 }
 
 /// A row in as many as it needs; those after the first are indented.
-fn wrapped(row: Row<'_>, width: usize) -> Vec<Row<'_>> {
+fn wrapped(row: DetailRow<'_>, width: usize) -> Vec<DetailRow<'_>> {
     const SET_IN: usize = 10;
-    let Row::Text(text, style) = row else { return vec![row] };
+    let DetailRow::Text(text, style) = row else { return vec![row] };
     if text.chars().count() <= width || width < 2 * SET_IN {
-        return vec![Row::Text(text, style)];
+        return vec![DetailRow::Text(text, style)];
     }
     let mut lines = Vec::new();
     let mut rest: Vec<char> = text.chars().collect();
@@ -366,7 +368,7 @@ fn wrapped(row: Row<'_>, width: usize) -> Vec<Row<'_>> {
         let blank = rest.iter().take(room + 1).rposition(|c| *c == ' ').filter(|at| *at > SET_IN);
         let end = if fits { rest.len() } else { blank.unwrap_or(room) };
         let line: String = rest.drain(..end).collect();
-        lines.push(Row::Text(format!("{:set_in$}{line}", ""), style));
+        lines.push(DetailRow::Text(format!("{:set_in$}{line}", ""), style));
         if fits {
             return lines;
         }

@@ -25,12 +25,12 @@ pub struct CaseProgress<'a> {
     /// What was reported until it was over.
     events: &'a [PlanEvent],
     /// How it ended.
-    pub end: Option<CaseResult<'a>>,
+    pub end: Option<CaseOutcome<'a>>,
 }
 
 /// How a case ended.
 #[derive(Debug)]
-pub struct CaseResult<'a> {
+pub struct CaseOutcome<'a> {
     /// The verdict's word.
     pub verdict: &'a str,
     /// Why.
@@ -73,7 +73,7 @@ impl<'a> PlanProgress<'a> {
                 PlanEvent::Verdict { name, verdict, reason, claims, measured } => {
                     let open = course.cases.last_mut().filter(|case| case.end.is_none() && case.name == name);
                     if let Some(case) = open {
-                        case.end = Some(CaseResult { verdict, reason, claims, measured });
+                        case.end = Some(CaseOutcome { verdict, reason, claims, measured });
                     }
                 }
                 PlanEvent::Over { verdict, report } => course.over = Some((verdict, report.as_deref())),

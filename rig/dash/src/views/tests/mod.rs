@@ -6,9 +6,9 @@ mod scene;
 use super::{View, ViewRequest};
 use crate::frame_decoder::{DecodedFrame, FrameDecoder};
 use crate::glyphs::TerminalFeatures;
-use crate::model::Model;
+use crate::model::RigModel;
 use crate::recording::{TrendFiles, TrendRecording};
-use control::{Fault, FrameSeen, Value, WireValue};
+use control::{FrameSeen, RequestFault, Value, WireValue};
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyModifiers, MouseButton, MouseEvent, MouseEventKind};
@@ -22,7 +22,7 @@ const FULL: TerminalFeatures = TerminalFeatures { utf8: true, color: true };
 /// A view with its rig.
 struct ViewSetup {
     view: Box<dyn View>,
-    model: Model,
+    model: RigModel,
 }
 
 /// Files that hold one recording and take all.
@@ -34,18 +34,18 @@ impl TrendFiles for MemoryFiles {
         &["vcd", "csv"]
     }
 
-    fn save(&self, _: &str, _: &TrendRecording) -> Result<(), Fault> {
+    fn save(&self, _: &str, _: &TrendRecording) -> Result<(), RequestFault> {
         Ok(())
     }
 
-    fn load(&self, path: &str) -> Result<TrendRecording, Fault> {
+    fn load(&self, path: &str) -> Result<TrendRecording, RequestFault> {
         let (code, help) = ("R0681".to_owned(), "look at its name".to_owned());
-        self.0.clone().ok_or(Fault { code, message: format!("{path} cannot be read"), help })
+        self.0.clone().ok_or(RequestFault { code, message: format!("{path} cannot be read"), help })
     }
 
-    fn decoder(&self, path: &str) -> Result<Box<dyn FrameDecoder>, Fault> {
+    fn decoder(&self, path: &str) -> Result<Box<dyn FrameDecoder>, RequestFault> {
         let (code, message) = ("R0683".to_owned(), format!("{path} cannot be read"));
-        let fault = Fault { code, message, help: String::new() };
+        let fault = RequestFault { code, message, help: String::new() };
         if path == "drive.dbc" { Ok(Box::new(DriveDecoder)) } else { Err(fault) }
     }
 }
@@ -232,7 +232,7 @@ fn no_key_breaks_a_view() {
             }
             if round % 97 == 0 {
                 // The rig is another one, or has nothing any more.
-                setup.model = if chance(2) == 0 { scene::model() } else { Model::default() };
+                setup.model = if chance(2) == 0 { scene::model() } else { RigModel::default() };
                 setup.view.reconnected();
             }
             if round % 5 == 0 {

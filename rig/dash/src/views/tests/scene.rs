@@ -1,10 +1,10 @@
 //! A rig made by hand: a lamp and a level, two tasks, a counter and a pulse generator, two buses, a plan that runs.
 
-use crate::model::Model;
+use crate::model::RigModel;
 use crate::recording::{RecordedChange, RecordedSignal, TrendRecording};
 use control::{
-    BusInfo, BusStatus, Channel, Description, Direction, FrameSeen, FunctionInfo, Measured, PlanEvent,
-    PlanStatus, Point, RigStatus, Signal, SignalKind, Status, TaskInfo, TaskStatus, Value, WireValue,
+    BusInfo, BusStatus, ChannelInfo, Description, FrameSeen, FunctionInfo, Measured, PlanEvent, PlanStatus,
+    PointDirection, PointInfo, RigStatus, Signal, SignalKind, Status, TaskInfo, TaskStatus, Value, WireValue,
 };
 
 const MS: i64 = 1_000_000;
@@ -13,9 +13,9 @@ fn texts(pairs: &[(&str, &str)]) -> Vec<(String, String)> {
     pairs.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect()
 }
 
-pub fn model() -> Model {
+pub fn model() -> RigModel {
     let mut model =
-        Model { description: description(), status: status(), now: 10_000 * MS, ..Model::default() };
+        RigModel { description: description(), status: status(), now: 10_000 * MS, ..RigModel::default() };
     let values = [
         ("HSC0.CurrentValue", Value::Int(-123_456)),
         ("HSC0.Run", Value::Bool(true)),
@@ -49,21 +49,22 @@ fn description() -> Description {
         watchdog,
         programs: programs.iter().map(|name| (*name).to_owned()).collect(),
     };
-    let point = |name: &str, address: &str, variable: Option<&str>, direction, channel: Option<&str>| Point {
-        name: name.to_owned(),
-        address: Some(address.to_owned()),
-        variable: variable.map(str::to_owned),
-        direction,
-        kind: SignalKind::Bool,
-        channel: channel.map(|name| Channel {
+    let point =
+        |name: &str, address: &str, variable: Option<&str>, direction, channel: Option<&str>| PointInfo {
             name: name.to_owned(),
-            unit: String::new(),
-            device: None,
-            drives: false,
-        }),
-        image: Some(address.to_owned()),
-        forcible: true,
-    };
+            address: Some(address.to_owned()),
+            variable: variable.map(str::to_owned),
+            direction,
+            kind: SignalKind::Bool,
+            channel: channel.map(|name| ChannelInfo {
+                name: name.to_owned(),
+                unit: String::new(),
+                device: None,
+                drives: false,
+            }),
+            image: Some(address.to_owned()),
+            forcible: true,
+        };
     let bus = |name: &str, kind: &str, settings: &str| BusInfo {
         name: name.to_owned(),
         kind: kind.to_owned(),
@@ -79,8 +80,8 @@ fn description() -> Description {
         board: "boards/bench.toml".to_owned(),
         reference: "TM241CEC24T".to_owned(),
         points: vec![
-            point("I1", "%IX0.1", Some("start"), Direction::Input, Some("button")),
-            point("Q4", "%QX0.4", Some("lamp"), Direction::Output, None),
+            point("I1", "%IX0.1", Some("start"), PointDirection::Input, Some("button")),
+            point("Q4", "%QX0.4", Some("lamp"), PointDirection::Output, None),
         ],
         signals: vec![
             signal("lamp", SignalKind::Bool, "", &[]),

@@ -1,6 +1,6 @@
 //! The trend on the screen.
 
-use super::figures::Figures;
+use super::figures::TrendFigures;
 use super::lane::{self, LaneWindow};
 use super::store::TrendLine;
 use super::{TrendCursor, TrendView};
@@ -211,7 +211,7 @@ fn draw_figures(trend: &TrendView, canvas: &mut Canvas<'_>, y: u16, line: &Trend
         (Some(a), Some(b)) => (a.at.min(b.at), a.at.max(b.at)),
         _ => (trend.window.0, trend.window.1.min(now)),
     };
-    let figures = Figures::of(line, from, to);
+    let figures = TrendFigures::of(line, from, to);
     let mut parts = Vec::new();
     for (name, mark) in [("A", a), ("B", b)] {
         if let Some(mark) = mark {

@@ -5,7 +5,7 @@ use control::Value;
 
 /// Figures of a line between two instants. Where nothing was known, nothing is counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Figures {
+pub struct TrendFigures {
     /// The least and the greatest number.
     pub range: Option<(f64, f64)>,
     /// The mean over the time in which it was known.
@@ -16,13 +16,13 @@ pub struct Figures {
     pub falls: u64,
 }
 
-impl Figures {
+impl TrendFigures {
     /// Measures a line from an instant to a later one.
-    pub fn of(line: &TrendLine, from: i64, to: i64) -> Figures {
-        let mut figures = Figures::default();
+    pub fn of(line: &TrendLine, from: i64, to: i64) -> TrendFigures {
+        let mut figures = TrendFigures::default();
         let (mut area, mut known) = (0.0, 0.0);
         let (mut since, mut value) = (from, line.at(from));
-        let mut sum = |value: Value, from: i64, to: i64, figures: &mut Figures| {
+        let mut sum = |value: Value, from: i64, to: i64, figures: &mut TrendFigures| {
             let Some(number) = value.as_real().filter(|number| number.is_finite()) else { return };
             let (low, high) = figures.range.unwrap_or((number, number));
             figures.range = Some((low.min(number), high.max(number)));
@@ -117,12 +117,12 @@ mod tests {
     #[test]
     fn the_mean_is_of_the_time_that_is_known() {
         let line = line(&[(10, Value::Real(2.0)), (20, Value::Real(4.0)), (30, Value::Unknown)]);
-        let figures = Figures::of(&line, 0, 100);
+        let figures = TrendFigures::of(&line, 0, 100);
         assert_eq!((figures.range, figures.mean), (Some((2.0, 4.0)), Some(3.0)));
-        let figures = Figures::of(&line, 15, 20);
+        let figures = TrendFigures::of(&line, 15, 20);
         // The last instant belongs to it, though no time does.
         assert_eq!((figures.range, figures.mean), (Some((2.0, 4.0)), Some(2.0)));
-        assert_eq!(Figures::of(&line, 40, 50), Figures::default());
+        assert_eq!(TrendFigures::of(&line, 40, 50), TrendFigures::default());
     }
 
     #[test]
@@ -135,7 +135,7 @@ mod tests {
             (5, Value::Bool(false)),
             (6, Value::Bool(true)),
         ]);
-        let figures = Figures::of(&line, 0, 10);
+        let figures = TrendFigures::of(&line, 0, 10);
         assert_eq!((figures.rises, figures.falls), (1, 2));
     }
 

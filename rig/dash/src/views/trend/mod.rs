@@ -12,7 +12,7 @@ mod trigger_dialog;
 use super::{View, ViewRequest};
 use crate::canvas::Canvas;
 use crate::glyphs::TerminalFeatures;
-use crate::model::Model;
+use crate::model::RigModel;
 use crate::recording::TrendFiles;
 use control::WireValue;
 use picker::{Picker, PickerResult};
@@ -21,7 +21,7 @@ use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyModifiers, MouseButton, Mo
 use ratatui::layout::Rect;
 use std::rc::Rc;
 use store::{TrendPoint, TrendStore};
-use trigger::{Trigger, TriggerState};
+use trigger::{TrendTrigger, TriggerState};
 use trigger_dialog::{TriggerDialog, TriggerDialogResult};
 
 /// Lengths of the window, nanoseconds: 1 ms to 1 h.
@@ -94,7 +94,7 @@ pub struct TrendView {
     cursors: [Option<TrendCursor>; 2],
     /// The cursor that the keys move.
     moving: Option<usize>,
-    trigger: Trigger,
+    trigger: TrendTrigger,
     over: Option<Overlay>,
     typing: TrendPrompt,
     /// Changes that the rig could not send.
@@ -118,7 +118,7 @@ impl TrendView {
             first: 0,
             cursors: [None, None],
             moving: None,
-            trigger: Trigger::default(),
+            trigger: TrendTrigger::default(),
             over: None,
             typing: TrendPrompt::Nothing,
             missed: 0,
@@ -215,7 +215,7 @@ impl TrendView {
     }
 
     /// A key while something lies over the plot.
-    fn key_over(&mut self, key: KeyEvent, model: &Model) -> Vec<ViewRequest> {
+    fn key_over(&mut self, key: KeyEvent, model: &RigModel) -> Vec<ViewRequest> {
         match self.over.take() {
             None => Vec::new(),
             Some(Overlay::Picker(mut picker)) => {
@@ -283,7 +283,7 @@ impl View for TrendView {
         keys
     }
 
-    fn signals(&self, _model: &Model) -> Vec<(String, bool)> {
+    fn signals(&self, _model: &RigModel) -> Vec<(String, bool)> {
         self.live.lines.iter().map(|line| (line.track.name.clone(), true)).collect()
     }
 
@@ -307,7 +307,7 @@ impl View for TrendView {
         self.missed = self.missed.saturating_add(changes);
     }
 
-    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &Model, features: TerminalFeatures) {
+    fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &RigModel, features: TerminalFeatures) {
         self.live.until(model.now);
         let base = self.base();
         self.trigger.advance_to(self.live.now, base);
@@ -320,7 +320,7 @@ impl View for TrendView {
         }
     }
 
-    fn key(&mut self, key: KeyEvent, model: &Model) -> Option<Vec<ViewRequest>> {
+    fn key(&mut self, key: KeyEvent, model: &RigModel) -> Option<Vec<ViewRequest>> {
         if self.over.is_some() {
             return Some(self.key_over(key, model));
         }
@@ -377,7 +377,7 @@ impl View for TrendView {
         Some(Vec::new())
     }
 
-    fn mouse(&mut self, mouse: MouseEvent, _model: &Model) -> Vec<ViewRequest> {
+    fn mouse(&mut self, mouse: MouseEvent, _model: &RigModel) -> Vec<ViewRequest> {
         let spot = (mouse.column, mouse.row).into();
         match mouse.kind {
             MouseEventKind::Down(button) | MouseEventKind::Drag(button) => {
@@ -399,7 +399,7 @@ impl View for TrendView {
         Vec::new()
     }
 
-    fn typed(&mut self, text: &str, _model: &Model) -> Vec<ViewRequest> {
+    fn typed(&mut self, text: &str, _model: &RigModel) -> Vec<ViewRequest> {
         let text = text.trim();
         match std::mem::take(&mut self.typing) {
             TrendPrompt::Nothing => Vec::new(),

@@ -2,7 +2,7 @@
 
 use super::store::{MAX_LINES, TrendLine, TrendStore};
 use crate::canvas::{self, Canvas};
-use crate::model::Model;
+use crate::model::RigModel;
 use crate::recording::RecordedSignal;
 use control::SignalKind;
 use ratatui::crossterm::event::{KeyCode, KeyEvent};
@@ -36,7 +36,7 @@ pub enum PickerResult {
 
 impl Picker {
     /// A key; every letter narrows the list.
-    pub fn key(&mut self, key: KeyEvent, model: &Model, store: &mut TrendStore) -> PickerResult {
+    pub fn key(&mut self, key: KeyEvent, model: &RigModel, store: &mut TrendStore) -> PickerResult {
         match key.code {
             KeyCode::Esc => return PickerResult::Closed,
             KeyCode::Enter => {
@@ -66,7 +66,7 @@ impl Picker {
     }
 
     /// Draws it over the page.
-    pub fn draw(&mut self, canvas: &mut Canvas<'_>, model: &Model, store: &TrendStore) {
+    pub fn draw(&mut self, canvas: &mut Canvas<'_>, model: &RigModel, store: &TrendStore) {
         let width = canvas.width().min(90);
         let (x, height) = ((canvas.width() - width) / 2, canvas.height());
         let mut whole = canvas.part(x, 0, width, height);
@@ -94,7 +94,7 @@ impl Picker {
 }
 
 /// Signals whose names hold a text, each name once: those that are called so first, then terminals and lines.
-fn choices(model: &Model, filter: &str) -> Vec<SignalChoice> {
+fn choices(model: &RigModel, filter: &str) -> Vec<SignalChoice> {
     let filter = filter.to_lowercase();
     let mut seen = std::collections::BTreeSet::new();
     let mut choices = Vec::new();

@@ -61,7 +61,7 @@ impl TriggerMode {
 
 /// The trigger.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Trigger {
+pub struct TrendTrigger {
     /// What it does.
     pub mode: TriggerMode,
     /// The signal.
@@ -80,9 +80,9 @@ pub struct Trigger {
     whole: Option<i64>,
 }
 
-impl Default for Trigger {
-    fn default() -> Trigger {
-        Trigger {
+impl Default for TrendTrigger {
+    fn default() -> TrendTrigger {
+        TrendTrigger {
             mode: TriggerMode::Off,
             signal: String::new(),
             edge: TriggerEdge::Rise,
@@ -108,7 +108,7 @@ pub enum TriggerState {
     Done,
 }
 
-impl Trigger {
+impl TrendTrigger {
     /// Begins to wait, now.
     pub fn arm(&mut self, now: i64) {
         self.armed = if self.mode == TriggerMode::Off { i64::MAX } else { now };
@@ -187,7 +187,7 @@ impl Trigger {
 /// How long at least a trigger is shown where the newest follows it, nanoseconds.
 const WAIT: i64 = 500_000_000;
 
-impl Trigger {
+impl TrendTrigger {
     /// The first instant that it may yet need of the store.
     pub fn keeps(&self, store: &TrendStore, base: i64) -> Option<i64> {
         let at = self.fired.or(self.whole.filter(|_| self.mode == TriggerMode::Single))?;
@@ -199,13 +199,14 @@ impl Trigger {
 mod tests {
     use super::*;
 
-    fn armed(mode: TriggerMode, edge: TriggerEdge) -> Trigger {
-        let mut trigger = Trigger { mode, edge, signal: "a".to_owned(), before: 20, ..Trigger::default() };
+    fn armed(mode: TriggerMode, edge: TriggerEdge) -> TrendTrigger {
+        let mut trigger =
+            TrendTrigger { mode, edge, signal: "a".to_owned(), before: 20, ..TrendTrigger::default() };
         trigger.arm(0);
         trigger
     }
 
-    fn look(trigger: &mut Trigger, at: i64, before: Value, value: Value) {
+    fn look(trigger: &mut TrendTrigger, at: i64, before: Value, value: Value) {
         trigger.observe("a", before, &TrendPoint { earliest: at, at, value });
     }
 
@@ -233,7 +234,8 @@ mod tests {
     fn single_takes_one_and_normal_the_next_behind_its_window() {
         for (mode, second) in [(TriggerMode::Single, 10), (TriggerMode::Normal, 100)] {
             let mut trigger = armed(mode, TriggerEdge::Rise);
-            let edge = |trigger: &mut Trigger, at| look(trigger, at, Value::Bool(false), Value::Bool(true));
+            let edge =
+                |trigger: &mut TrendTrigger, at| look(trigger, at, Value::Bool(false), Value::Bool(true));
             edge(&mut trigger, 10);
             trigger.advance_to(89, 100);
             assert_eq!((trigger.state(), trigger.window(89, 100)), (TriggerState::Fired, Some((90, 10))));

@@ -1,7 +1,7 @@
 //! The table in which the trigger is set.
 
 use super::store::TrendStore;
-use super::trigger::{Trigger, TriggerEdge, TriggerMode};
+use super::trigger::{TrendTrigger, TriggerEdge, TriggerMode};
 use crate::canvas::{self, Canvas};
 use crate::show;
 use control::SignalKind;
@@ -18,7 +18,7 @@ const LEVEL: usize = 3;
 #[derive(Clone, Debug, PartialEq)]
 pub struct TriggerDialog {
     /// What it makes.
-    pub trigger: Trigger,
+    pub trigger: TrendTrigger,
     row: usize,
 }
 
@@ -37,7 +37,7 @@ pub enum TriggerDialogResult {
 
 impl TriggerDialog {
     /// Begins with what is, and a signal if there is none yet.
-    pub fn new(trigger: &Trigger, signal: Option<&str>) -> TriggerDialog {
+    pub fn new(trigger: &TrendTrigger, signal: Option<&str>) -> TriggerDialog {
         let mut trigger = trigger.clone();
         if trigger.signal.is_empty() {
             trigger.signal = signal.unwrap_or_default().to_owned();

@@ -11,11 +11,11 @@ fn this(offset: u32, ty: Elementary) -> TreePlace {
     place(TreeRoot::This, offset, one(ty))
 }
 
-fn input(offset: u32, value: Expr) -> Input {
-    Input { to: Slot::Frame(offset, value.ty), value }
+fn input(offset: u32, value: Expr) -> CallInput {
+    CallInput { to: Slot::Frame(offset, value.ty), value }
 }
 
-fn call(callee: Callee, inputs: Vec<Input>, outputs: Vec<Output>, result: Option<u32>) -> Expr {
+fn call(callee: Callee, inputs: Vec<CallInput>, outputs: Vec<CallOutput>, result: Option<u32>) -> Expr {
     typed(ExprKind::Call(Box::new(TreeCall { callee, inputs, outputs, result, at: AT })), one(Dint))
 }
 
@@ -75,9 +75,17 @@ fn outputs_of_functions() {
     // F writes 7 to its output at 4; `F(out => NOT g)` and the result in one expression.
     let f = unit("F", 12, vec![set(frame(0, Dint), number(5, Dint)), set(frame(4, Bool), number(1, Bool))]);
     let outputs = vec![
-        Output { from: Slot::Frame(4, one(Bool)), negated: true, target: Target::Place(global(8, Bool)) },
-        Output { from: Slot::Frame(4, one(Bool)), negated: false, target: Target::Bit(global(12, Int), 3) },
-        Output { from: Slot::Frame(0, one(Dint)), negated: false, target: Target::Place(global(16, Lint)) },
+        CallOutput { from: Slot::Frame(4, one(Bool)), negated: true, target: Target::Place(global(8, Bool)) },
+        CallOutput {
+            from: Slot::Frame(4, one(Bool)),
+            negated: false,
+            target: Target::Bit(global(12, Int), 3),
+        },
+        CallOutput {
+            from: Slot::Frame(0, one(Dint)),
+            negated: false,
+            target: Target::Place(global(16, Lint)),
+        },
     ];
     let value = add(call(Callee::Unit(1), vec![], outputs, Some(0)), number(1, Dint));
     let before = vec![set(global(8, Bool), number(1, Bool))];
@@ -95,9 +103,9 @@ fn adder() -> UnitTree {
 
 #[test]
 fn blocks_at_fixed_places() {
-    let pin = Input { to: Slot::Place(global(32, Dint)), value: number(6, Dint) };
+    let pin = CallInput { to: Slot::Place(global(32, Dint)), value: number(6, Dint) };
     let callee = Callee::Of(1, place(TreeRoot::Absolute, map::FIRST + 32, Ty::Block { bytes: 8 }));
-    let sum = Output {
+    let sum = CallOutput {
         from: Slot::Place(global(36, Dint)),
         negated: false,
         target: Target::Place(global(0, Dint)),
@@ -115,8 +123,8 @@ fn blocks_in_arrays_compute_their_index_once() {
         TreePlace { indices: vec![index], ..place(TreeRoot::Absolute, map::FIRST + 32 + offset, ty) }
     };
     let value = minus(number(9, Dint), number(0, Dint));
-    let pin = Input { to: Slot::Place(at(0, one(Dint))), value };
-    let sum = Output {
+    let pin = CallInput { to: Slot::Place(at(0, one(Dint))), value };
+    let sum = CallOutput {
         from: Slot::Place(at(4, one(Dint))),
         negated: false,
         target: Target::Place(global(0, Dint)),
@@ -133,7 +141,7 @@ fn blocks_in_arrays_compute_their_index_once() {
 fn native_blocks_cost_a_block() {
     let native = crate::native::STANDARD.iter().find(|native| native.name == "R_TRIG").unwrap();
     let callee = Callee::Native(0, place(TreeRoot::Absolute, map::FIRST + 32, Ty::Block { bytes: 24 }));
-    let pin = Input { to: Slot::Place(global(32, Bool)), value: number(1, Bool) };
+    let pin = CallInput { to: Slot::Place(global(32, Bool)), value: number(1, Bool) };
     let statement = stmt(StmtKind::Call(Box::new(call(callee, vec![pin], vec![], None))));
     let mut tree = program(vec![unit("MAIN", 0, vec![statement])]);
     tree.natives = vec![native];

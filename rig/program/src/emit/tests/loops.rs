@@ -197,7 +197,7 @@ fn every_statement_has_its_first_operation() {
 fn too_long_a_program_is_refused() {
     let mut options = Options::default();
     options.limits.code = 3;
-    let mut findings = Findings::new(&[], 10);
+    let mut findings = CompileFindings::new(&[], 10);
     let tree = program(vec![unit("MAIN", 0, vec![grow(1), grow(1), grow(1), grow(1)])]);
     emit(tree, &options, &mut findings, &[]);
     let codes: Vec<_> = findings.finish().iter().map(|finding| finding.code).collect();

@@ -51,7 +51,7 @@ fn too_deep_a_tree_is_refused() {
     for _ in 0..2_000 {
         sum = binary(BinaryOp::Add, load(global(0, Lint)), sum, Lint);
     }
-    let mut findings = Findings::new(&[], 10);
+    let mut findings = CompileFindings::new(&[], 10);
     let tree = program(vec![unit("MAIN", 0, vec![set(global(0, Lint), sum)])]);
     emit(tree, &Options::default(), &mut findings, &[]);
     let codes: Vec<_> = findings.finish().iter().map(|finding| finding.code).collect();
@@ -100,7 +100,10 @@ fn places_behind_addresses() {
         program(vec![unit("MAIN", 0, vec![set(TreePlace { offset: 100, ..pointed_at }, number(9, Dint))])]);
     let mut machine = Machine::new(Arc::new(made(tree)), &[vec![0]]).unwrap();
     machine.begin(0);
-    assert!(matches!(machine.resume(0, Time::ZERO, Span::from_secs(1), &mut NoHost).stop, Stop::Fault(_)));
+    assert!(matches!(
+        machine.resume(0, Time::ZERO, Span::from_secs(1), &mut NoHost).stop,
+        StopReason::Fault(_)
+    ));
 }
 
 #[test]

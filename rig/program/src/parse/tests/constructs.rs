@@ -7,7 +7,7 @@ use super::read;
 use crate::program::Retention;
 use crate::types::Elementary;
 
-fn valid(text: &str) -> (Unit, NameTable) {
+fn valid(text: &str) -> (SourceUnit, NameTable) {
     let (unit, names, findings) = read(text);
     assert!(findings.is_empty(), "{findings:#?}\n{text}");
     (unit, names)
@@ -236,7 +236,7 @@ fn sources_share_one_unit() {
     let sources = ["PROGRAM a END_PROGRAM", "PROGRAM b END_PROGRAM"]
         .map(|text| document::SourceFile::new("x.st", text));
     let mut names = NameTable::new();
-    let mut findings = crate::findings::Findings::new(&sources, 50);
+    let mut findings = crate::findings::CompileFindings::new(&sources, 50);
     let unit = super::super::parse(&sources, &mut names, &mut findings);
     let places: Vec<(u16, u32)> = unit.pous.iter().map(|pou| (pou.name.at.file, pou.name.at.start)).collect();
     assert_eq!(places, [(0, 8), (1, 8)]);

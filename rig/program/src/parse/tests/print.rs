@@ -24,7 +24,7 @@ pub const MOMENTS: &[(&str, i64, Elementary)] = &[
     ("LDT#1970-01-01-00:00:00.000000003", 3, Elementary::Ldt),
 ];
 
-pub fn print(unit: &Unit, names: &NameTable) -> Vec<Piece> {
+pub fn print(unit: &SourceUnit, names: &NameTable) -> Vec<Piece> {
     let mut printer = Printer { names, pieces: Vec::new() };
     for section in &unit.globals {
         printer.section(section);
@@ -140,7 +140,7 @@ impl Printer<'_> {
         self.put("END_PROPERTY");
     }
 
-    fn interface(&mut self, interface: &Interface) {
+    fn interface(&mut self, interface: &InterfaceDecl) {
         self.put("INTERFACE");
         self.name(interface.name);
         self.named("EXTENDS", &interface.extends);
@@ -319,17 +319,17 @@ impl Printer<'_> {
         }
     }
 
-    fn initial_of(&mut self, initial: &Option<Initial>) {
+    fn initial_of(&mut self, initial: &Option<Initializer>) {
         if let Some(initial) = initial {
             self.put(":=");
             self.initial(initial);
         }
     }
 
-    fn initial(&mut self, initial: &Initial) {
+    fn initial(&mut self, initial: &Initializer) {
         match initial {
-            Initial::One(expr) => self.expr(expr),
-            Initial::List(list, _) => {
+            Initializer::One(expr) => self.expr(expr),
+            Initializer::List(list, _) => {
                 self.put("[");
                 for (place, (count, value)) in list.iter().enumerate() {
                     if place > 0 {
@@ -346,7 +346,7 @@ impl Printer<'_> {
                 }
                 self.put("]");
             }
-            Initial::Members(members, _) => {
+            Initializer::Members(members, _) => {
                 for (place, (name, value)) in members.iter().enumerate() {
                     self.put(if place == 0 { "(" } else { "," });
                     self.name(*name);

@@ -1,7 +1,7 @@
 //! How long reading takes: `cargo test --release -p scanrig-program parse::tests::speed -- --ignored --nocapture`.
 
 use super::super::{NameTable, parse};
-use crate::findings::Findings;
+use crate::findings::CompileFindings;
 use document::SourceFile;
 use std::fmt::Write;
 use std::time::Instant;
@@ -55,7 +55,7 @@ fn thirty_thousand_lines() {
     let sources = [SourceFile::new("large.st", source(30_000))];
     for _ in 0..7 {
         let mut names = NameTable::new();
-        let mut findings = Findings::new(&sources, 50);
+        let mut findings = CompileFindings::new(&sources, 50);
         let start = Instant::now();
         let unit = parse(&sources, &mut names, &mut findings);
         let reading = start.elapsed();

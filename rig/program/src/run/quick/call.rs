@@ -5,12 +5,12 @@
 use super::{NONE, Quick, QuickContext};
 use crate::native::{BlockBody, Pins};
 use crate::program::Program;
-use crate::state::{PinOffsets, Registers, Task};
+use crate::state::{PinOffsets, TaskRegisters, TaskState};
 use signal::{Span, Time};
 
 /// A unit that can be called.
 #[derive(Clone, Debug)]
-pub(super) struct Callee {
+pub(super) struct CalleeUnit {
     /// The step at which it begins.
     pub entry: u32,
     /// Bytes of its frame.
@@ -21,7 +21,7 @@ pub(super) struct Callee {
 pub(super) struct Calls<'a> {
     program: &'a Program,
     pins: &'a [PinOffsets],
-    task: &'a mut Task,
+    task: &'a mut TaskState,
     now: Time,
     budget: i64,
     /// By `From`.
@@ -45,7 +45,7 @@ impl<'a> Calls<'a> {
 impl Quick {
     /// The frame of a unit after the running one.
     #[inline(always)]
-    fn room(&self, calls: &Calls<'_>, unit: u32) -> Option<(&Callee, u32)> {
+    fn room(&self, calls: &Calls<'_>, unit: u32) -> Option<(&CalleeUnit, u32)> {
         let (callee, caller) = (self.callees.get(unit as usize)?, self.callees.get(usize::from(calls.unit))?);
         let next = calls.bases[2].saturating_add(caller.frame);
         let fits = next.saturating_add(callee.frame) <= calls.task.end;
@@ -72,7 +72,7 @@ impl Quick {
         let (callee, next) = self.room(calls, unit)?;
         let entry = Some(callee.entry).filter(|entry| *entry != NONE)?;
         let [_, old, base] = calls.bases;
-        calls.task.callers.push(Registers { pc: back, this: old, base, unit: calls.unit });
+        calls.task.callers.push(TaskRegisters { pc: back, this: old, base, unit: calls.unit });
         calls.bases = [0, this, next];
         calls.unit = unit as u16;
         Some(entry)
@@ -81,7 +81,7 @@ impl Quick {
     /// Goes back to the caller: the step that comes next there.
     #[inline(never)]
     pub(super) fn back(&self, calls: &mut Calls<'_>) -> Option<u32> {
-        let Registers { pc, this, base, unit } = *calls.task.callers.last()?;
+        let TaskRegisters { pc, this, base, unit } = *calls.task.callers.last()?;
         let to = self.positions.get(pc as usize).copied().filter(|to| *to != NONE)?;
         calls.task.callers.pop();
         calls.bases = [0, this, base];

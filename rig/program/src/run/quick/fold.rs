@@ -5,7 +5,7 @@ use super::constant::{constant, with_constant};
 use super::element::{address, element};
 use super::lookup::{IndexType, Lookup};
 use super::pair::pair;
-use super::{BASED, Callee, DIRECT, INDIRECT, LOOKUP, NONE, PLAIN, Quick, QuickStep};
+use super::{BASED, CalleeUnit, DIRECT, INDIRECT, LOOKUP, NONE, PLAIN, Quick, QuickStep};
 use crate::code::{Op, map};
 use crate::program::Program;
 
@@ -80,7 +80,7 @@ impl Folder<'_> {
         self.quick.entries = self.entries(&positions);
         let at = |pc: u32| positions.get(pc as usize).copied().unwrap_or(NONE);
         let callees =
-            self.program.units.iter().map(|unit| Callee { entry: at(unit.entry), frame: unit.frame });
+            self.program.units.iter().map(|unit| CalleeUnit { entry: at(unit.entry), frame: unit.frame });
         self.quick.callees = callees.collect();
         self.quick.positions = positions;
         self.quick

@@ -17,8 +17,8 @@ mod steps;
 use super::fast::{FastIndex, OperandBase};
 use crate::code::Op;
 use crate::program::Program;
-use crate::state::{PinOffsets, Task};
-use call::Callee;
+use crate::state::{PinOffsets, TaskState};
+use call::CalleeUnit;
 pub(super) use fold::fold;
 use lookup::Lookup;
 use signal::Time;
@@ -74,7 +74,7 @@ pub(crate) struct Quick {
     positions: Vec<u32>,
     lookups: Vec<Lookup>,
     indexes: Vec<FastIndex>,
-    callees: Vec<Callee>,
+    callees: Vec<CalleeUnit>,
 }
 
 /// What the loop works on.
@@ -84,7 +84,7 @@ pub(super) struct QuickContext<'a> {
     pub flags: &'a [u8],
     /// Beside the program's native blocks.
     pub pins: &'a [PinOffsets],
-    pub task: &'a mut Task,
+    pub task: &'a mut TaskState,
     /// When the slice began, and its budget in nanoseconds.
     pub now: Time,
     pub budget: i64,

@@ -2,7 +2,7 @@
 
 use devices::Lab;
 use drivers::{BoardError, BoardExt, BusError, BusEvent, BusState, LossReason};
-use host::{Realtime, Role};
+use host::{Realtime, ThreadRole};
 use signal::{CanFrame, Span};
 
 use super::bench::{Bench, FAR, NEAR, TROUBLED, Trouble, fresh, run};
@@ -196,7 +196,7 @@ fn a_call_that_hangs_makes_its_bus_silent_and_holds_up_nobody() {
     let buses = format!("{TROUBLED}\nother = {{ kind = \"can\", interface = \"vcan0\", bitrate = 1 }}");
     let mut bench = Bench::with("unresponsive-after = \"300 ms\"", &buses);
     // The call keeps its processor busy: who is to go on meanwhile has to have the priority of a scan.
-    Realtime::with_priority(80).enter(Role::Scan).expect("real-time priority");
+    Realtime::with_priority(80).enter(ThreadRole::Scan).expect("real-time priority");
     let _hangs = Trouble::on("rcan0", "hang_ms", "1500");
     let other = drivers::BusId(2);
     let asked = bench.now();

@@ -5,9 +5,9 @@ use std::sync::atomic::{AtomicI64, AtomicU64, Ordering};
 
 use controller::TaskKind;
 use drivers::{Board, BoardContext, BoardError, BoardEvent, BoardExt, Channel, ChannelId, Health};
-use host::{Punctual, Realtime, Role};
+use host::{Punctual, Realtime, ThreadRole};
 use scanrig_runtime::clock::{Clock, HostClock};
-use scanrig_runtime::model::Model;
+use scanrig_runtime::model::ModelledController;
 use scanrig_runtime::subject::SubjectExt;
 use signal::{Span, Time, Value};
 
@@ -51,7 +51,7 @@ pub struct Outcome {
 /// A case on the lab's lines: an output that turns, line 8, and an input, line 0.
 #[derive(Debug)]
 pub struct Bench {
-    model: Model,
+    model: ModelledController,
     parts: Parted,
     at: BoardContext,
     /// How far the case is, in nanoseconds.
@@ -133,7 +133,7 @@ expect = [{{ state = {{ stays = \"RUNNING\", from = \"start\", until = \"end\" }
 
     /// Runs the case in this thread.
     pub fn run(mut self) -> Outcome {
-        Realtime::with_priority(80).enter(Role::Scan).expect("real-time priority");
+        Realtime::with_priority(80).enter(ThreadRole::Scan).expect("real-time priority");
         let (clock, progress) = (HostClock::of(&self.at), self.progress.clone());
         let mut clock = Watched { clock, progress, starts: Vec::with_capacity(1 << 19) };
         let ran = self.parts.run(&mut clock, &mut self.model);

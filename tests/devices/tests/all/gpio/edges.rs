@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use super::bench::{Bench, Seen};
 use devices::{Lab, Line, MAIN};
 use drivers::{BoardEvent, TimestampSource};
-use host::{Processors, Realtime, Role};
+use host::{Processors, Realtime, ThreadRole};
 use signal::Value;
 
 /// Moves a line as fast as the lab lets it; leaves it low. How long it took.
@@ -119,7 +119,7 @@ fn what_the_kernels_buffer_loses_is_reported() {
         let stop = stop.clone();
         thread::spawn(move || {
             let realtime = Realtime { processors: Processors::new([1]), ..Realtime::with_priority(90) };
-            realtime.enter(Role::Scan).unwrap();
+            realtime.enter(ThreadRole::Scan).unwrap();
             let due = Instant::now() + Duration::from_secs(20);
             while !stop.load(Ordering::Relaxed) && Instant::now() < due {}
         })
