@@ -4,7 +4,7 @@
 //! compares the day of middle length with the goals; `-- --quick` runs the hour alone. The exit code is 1 where a goal is missed. Time is that of
 //! the processor: a busy host makes the wall's longer. `-- --seconds N` is one run for a profiler.
 
-use scanrig_runtime::jobs::{JobResult, run};
+use scanrig_runtime::case::jobs::{JobResult, run};
 use scanrig_runtime::suite::{FileSource, load_plan};
 use scanrig_runtime::{ClockKind, RunOptions};
 use std::fmt::Write as _;

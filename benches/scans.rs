@@ -9,7 +9,7 @@ mod texts;
 
 use controller::TaskKind;
 use counting::Counting;
-use scanrig_runtime::clock::Clock;
+use scanrig_runtime::executor::clock::Clock;
 use scanrig_runtime::subject::{Subject, SubjectExt};
 use signal::{Span, Time, Value};
 use std::process::ExitCode;

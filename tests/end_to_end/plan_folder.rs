@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 use record::CaseRecord;
-use runtime::jobs::{self, JobResult};
+use runtime::case::jobs::{self, JobResult};
 use runtime::suite::{self, FileSource};
 use runtime::{ClockKind, RunOptions};
 

@@ -24,7 +24,7 @@ use plans::{Anchor, Literal};
 use profile::Profile;
 use record::RunRecord;
 use reports::text::Style;
-use runtime::standalone::{self, StandaloneRun};
+use runtime::instrument::standalone::{self, StandaloneRun};
 use runtime::suite::{self, FileSource};
 use signal::{
     Address, Cause, Event, LoadLimits, Policy, Quantity, QuantityRange, SignalId, SignalInfo, Span, Time,
@@ -184,7 +184,7 @@ fn whole(trace: &Trace) {
     let events: Vec<Event> = trace.events().map(|event| event.expect("memory reads")).collect();
     assert_eq!(events.len() as u64, trace.len());
     let _ = reports::vcd::write_trace(trace, "0.0.0", std::io::sink());
-    if let Ok(record) = runtime::rejudge::judge(&SourceFile::new("plan.toml", PLAN), trace) {
+    if let Ok(record) = runtime::case::rejudge::judge(&SourceFile::new("plan.toml", PLAN), trace) {
         let _ = reports::text::details(&record, Style::default());
     }
 }

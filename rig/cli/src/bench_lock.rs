@@ -5,7 +5,8 @@ use crate::output;
 use clap::Args;
 use document::Diagnostic;
 use drivers::BoardFile;
-use runtime::{BenchLock, bench_lock};
+use runtime::BenchLock;
+use runtime::hardware::bench_lock;
 use signal::Span;
 use std::sync::atomic::{AtomicBool, Ordering};
 

@@ -9,8 +9,9 @@ use clap::Args;
 use document::{Diagnostic, SourceFile};
 use drivers::file::BoardFile;
 use profile::Profile;
+use runtime::application::tasks;
+use runtime::suite::suites;
 use runtime::suite::{self, Disk, FileSource};
-use runtime::{suites, tasks};
 use std::path::{Path, PathBuf};
 
 /// `rig check`.

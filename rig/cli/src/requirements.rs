@@ -9,7 +9,7 @@ use document::Diagnostic;
 use plans::register::{Requirement, RequirementClass, RequirementRegister};
 use profile::Profile;
 use record::{RequirementFact, RunRecord, Verdict};
-use runtime::jobs::{self, JobResult};
+use runtime::case::jobs::{self, JobResult};
 use runtime::suite;
 use runtime::{ClockKind, RunOptions};
 use serde_json::json;

@@ -1,8 +1,8 @@
 //! Who is behind whom: terminals of the subject, channels of the board, signals of the trace.
 
-use crate::external;
 use crate::frames::FrameWatch;
 use crate::subject::Subject;
+use crate::subject::external;
 use controller::{ProbeId, Terminal};
 use drivers::{BoardFile, BusId, ChannelId};
 use profile::IoChannel;

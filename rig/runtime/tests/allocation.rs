@@ -2,7 +2,7 @@
 //! allocations does not depend on how many cycles lie between them. What remains are the segments of the trace.
 
 use crate::texts::Texts;
-use scanrig_runtime::clock::Clock;
+use scanrig_runtime::executor::clock::Clock;
 use signal::Time;
 
 const PROGRAM: &str = "PROGRAM MAIN

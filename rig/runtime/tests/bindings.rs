@@ -2,7 +2,7 @@
 
 use crate::texts::Texts;
 use record::Verdict;
-use scanrig_runtime::jobs::JobResult;
+use scanrig_runtime::case::jobs::JobResult;
 use scanrig_runtime::{ClockKind, RunOptions};
 use signal::Span;
 use std::sync::atomic::AtomicBool;

@@ -99,7 +99,7 @@ fn a_run_is_refused_as_well() {
     let interrupt = std::sync::atomic::AtomicBool::new(false);
     let options = scanrig_runtime::RunOptions::new(scanrig_runtime::ClockKind::Virtual, &interrupt);
     match Texts(&[("plan.toml", plan), ("a.st", PROGRAM)]).done(1, &options) {
-        scanrig_runtime::jobs::JobResult::Findings(found) => assert_eq!(found[0].code, "R0145"),
+        scanrig_runtime::case::jobs::JobResult::Findings(found) => assert_eq!(found[0].code, "R0145"),
         other => panic!("{other:#?}"),
     }
 }

@@ -2,7 +2,7 @@
 //! (docs/decisions/0003-time-of-an-operation.md).
 
 use crate::common::Library;
-use scanrig_runtime::jobs::{self, JobResult};
+use scanrig_runtime::case::jobs::{self, JobResult};
 use scanrig_runtime::suite::Job;
 use scanrig_runtime::{ClockKind, RunOptions};
 use signal::Span;

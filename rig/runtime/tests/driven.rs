@@ -3,11 +3,11 @@
 use crate::texts::{Parted, Texts};
 use document::SourceFile;
 use drivers::{Board, BoardError, BoardEvent, Channel, ChannelId, Health, Origin, TimestampSource};
-use scanrig_runtime::clock::Clock;
 use scanrig_runtime::executor::ExecutorReport;
-use scanrig_runtime::external::ExternalController;
-use scanrig_runtime::hook::Hook;
-use scanrig_runtime::rig_fault::RigFault;
+use scanrig_runtime::executor::clock::Clock;
+use scanrig_runtime::executor::rig_fault::RigFault;
+use scanrig_runtime::subject::external::ExternalController;
+use scanrig_runtime::subject::hook::Hook;
 use scanrig_runtime::suite;
 use signal::{Span, Time, Value, When};
 

@@ -5,10 +5,10 @@ use drivers::{
     Board, BoardError, BoardEvent, Channel, ChannelId, Emission, Health, Origin, PulseCapability,
     PulseOutputs, TimestampSource,
 };
-use scanrig_runtime::clock::Clock;
 use scanrig_runtime::executor::ExecutorReport;
-use scanrig_runtime::model::ModelledController;
-use scanrig_runtime::rig_fault::RigFault;
+use scanrig_runtime::executor::clock::Clock;
+use scanrig_runtime::executor::rig_fault::RigFault;
+use scanrig_runtime::subject::model::ModelledController;
 use signal::{Span, Time, Value, When};
 use std::sync::{Arc, Mutex};
 

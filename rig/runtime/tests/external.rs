@@ -2,7 +2,7 @@
 
 use crate::texts::{Texts, expect};
 use record::{CaseStatus, Verdict};
-use scanrig_runtime::jobs::JobResult;
+use scanrig_runtime::case::jobs::JobResult;
 use scanrig_runtime::{CaseResult, ClockKind, RunOptions};
 use signal::{Event, Time};
 use std::sync::atomic::AtomicBool;

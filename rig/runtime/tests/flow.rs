@@ -4,8 +4,9 @@
 use crate::texts::Texts;
 use plans::steps::Question;
 use record::{CaseRecord, Verdict};
-use scanrig_runtime::jobs::JobResult;
-use scanrig_runtime::{AskError, CaseResult, ClockKind, Operator, RunOptions, rejudge};
+use scanrig_runtime::case::jobs::JobResult;
+use scanrig_runtime::case::rejudge;
+use scanrig_runtime::{AskError, CaseResult, ClockKind, Operator, RunOptions};
 use signal::{LoadLimits, Trace};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -2,7 +2,8 @@
 
 use crate::texts::Texts;
 use record::{ClaimOrigin, ClaimRecord, Verdict};
-use scanrig_runtime::{CaseResult, ClockKind, RunOptions, rejudge};
+use scanrig_runtime::case::rejudge;
+use scanrig_runtime::{CaseResult, ClockKind, RunOptions};
 use signal::{Span, Value};
 use std::sync::atomic::AtomicBool;
 

@@ -6,7 +6,7 @@ use drivers::{
 };
 use guard::GuardError;
 use host::Realtime;
-use scanrig_runtime::heartbeat::Heartbeat;
+use scanrig_runtime::executor::heartbeat::Heartbeat;
 use scanrig_runtime::instrument::{EDGES, Instrument, LoopFault, loopback, names, phases, square};
 use signal::{Span, Time, Value, When};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};

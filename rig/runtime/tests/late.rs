@@ -2,8 +2,9 @@
 
 use crate::common::{Library, events};
 use record::{CaseRecord, Verdict};
+use scanrig_runtime::case::rejudge;
 use scanrig_runtime::suite::Job;
-use scanrig_runtime::{CaseResult, ClockKind, RunOptions, rejudge};
+use scanrig_runtime::{CaseResult, ClockKind, RunOptions};
 use signal::{Span, Value};
 use std::sync::atomic::AtomicBool;
 

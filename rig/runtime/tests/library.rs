@@ -2,9 +2,10 @@
 
 use crate::common::Library;
 use record::{CaseRecord, Verdict};
-use scanrig_runtime::jobs::{self, JobResult};
+use scanrig_runtime::case::jobs::{self, JobResult};
+use scanrig_runtime::case::rejudge;
 use scanrig_runtime::suite::LoadedPlan;
-use scanrig_runtime::{ClockKind, RunOptions, rejudge};
+use scanrig_runtime::{ClockKind, RunOptions};
 use signal::{LoadLimits, Trace};
 use std::sync::atomic::AtomicBool;
 

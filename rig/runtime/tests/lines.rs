@@ -7,7 +7,7 @@ use controller::{Config, InputConfig};
 use drivers::{BoardExt, ChannelId};
 use profile::InputFilter;
 use scanrig_runtime::executor::ExecutorReport;
-use scanrig_runtime::rig_fault::RigFault;
+use scanrig_runtime::executor::rig_fault::RigFault;
 use signal::{Span, Time, Value};
 
 /// The bench has a controller of the usual configuration, but inputs without a filter: a cycle each 20 ms.
@@ -40,7 +40,7 @@ expect = [{{ state = {{ stays = \"RUNNING\", from = \"start\", until = \"end\" }
 /// A case with its world.
 struct Bench {
     world: Shared,
-    model: scanrig_runtime::model::ModelledController,
+    model: scanrig_runtime::subject::model::ModelledController,
     parts: Parted,
 }
 

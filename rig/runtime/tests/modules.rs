@@ -3,7 +3,7 @@
 use crate::texts::Texts;
 use controller::{ExchangeCycle, IoModule, Memory, ModuleChannel, OutputChanges, Sharing, Terminal, Written};
 use profile::{IoChannel, IoStatus};
-use scanrig_runtime::clock::VirtualClock;
+use scanrig_runtime::executor::clock::VirtualClock;
 use scanrig_runtime::subject::Subject;
 use signal::{Address, Cause, Span, Time, Value};
 

@@ -12,10 +12,10 @@ use drivers::{
     Board, BoardError, BoardEvent, BoardExt, Bus, BusEvent, BusId, Buses, Channel, ChannelId, Health,
 };
 use profile::RequestCosts;
-use scanrig_runtime::clock::VirtualClock;
 use scanrig_runtime::executor::ExecutorReport;
-use scanrig_runtime::model::ModelledController;
-use scanrig_runtime::rig_fault::RigFault;
+use scanrig_runtime::executor::clock::VirtualClock;
+use scanrig_runtime::executor::rig_fault::RigFault;
+use scanrig_runtime::subject::model::ModelledController;
 use signal::{CanFrame, SerialFlaw, SerialMessage, SerialOutput, SerialSettings, Span, Time, Value};
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};

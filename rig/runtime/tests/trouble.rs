@@ -3,10 +3,10 @@
 use crate::texts::Texts;
 use controller::{Command, CommandError, Effects, State, Terminal};
 use record::Verdict;
-use scanrig_runtime::capability::Capability;
-use scanrig_runtime::clock::VirtualClock;
-use scanrig_runtime::model::ModelledController;
+use scanrig_runtime::executor::clock::VirtualClock;
 use scanrig_runtime::subject::Subject;
+use scanrig_runtime::subject::capability::Capability;
+use scanrig_runtime::subject::model::ModelledController;
 use scanrig_runtime::{CaseResult, ClockKind, RunOptions};
 use signal::{Address, Span, Time, Value, When};
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -9,7 +9,7 @@ use crate::output::OutputFormat;
 use clap::Args;
 use document::Diagnostic;
 use drivers::Board;
-use runtime::figures::{COUNTS, CountingLimit, devices};
+use runtime::instrument::figures::{COUNTS, CountingLimit, devices};
 use runtime::instrument::{Train, counts, is_countable, names};
 use serde_json::json;
 use std::path::PathBuf;

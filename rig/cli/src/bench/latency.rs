@@ -7,7 +7,7 @@ use crate::output::OutputFormat;
 use clap::Args;
 use host::{Bell, Privilege, Processors, Punctual, Realtime, ThreadRole, Wakeups, wakeups};
 use record::Durations;
-use runtime::figures::durations;
+use runtime::instrument::figures::durations;
 use serde_json::json;
 use signal::Span;
 

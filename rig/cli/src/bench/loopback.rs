@@ -8,7 +8,7 @@ use crate::output;
 use crate::output::OutputFormat;
 use clap::Args;
 use record::Durations;
-use runtime::figures::{devices, durations};
+use runtime::instrument::figures::{devices, durations};
 use runtime::instrument::{LoopFault, loopback, names};
 use serde_json::json;
 use std::path::PathBuf;

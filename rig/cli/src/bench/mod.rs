@@ -17,7 +17,7 @@ use host::HostMachine;
 use latency::LatencyArgs;
 use loopback::LoopbackArgs;
 use record::{Durations, MACHINE_FORMAT, MachineRecord};
-use runtime::figures::{self, ENOUGH};
+use runtime::instrument::figures::{self, ENOUGH};
 use scan::BenchScanArgs;
 use signal::Span;
 use signal::calendar::rfc3339;

@@ -4,7 +4,7 @@ use super::check::DoctorCheck;
 use drivers::file::{BoardFile, BoardKind};
 use drivers::gpio::GpioSpec;
 use host::HostMachine;
-use runtime::figures::{self, CountingLimit};
+use runtime::instrument::figures::{self, CountingLimit};
 use signal::Span;
 
 const GROUP: &str = "figures";

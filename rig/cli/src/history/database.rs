@@ -179,7 +179,7 @@ impl HistoryDatabase {
     /// # Errors
     /// The file cannot be written; then nothing of the run is in it.
     pub(super) fn add(&mut self, name: &str, run: &RunRecord, keep: u32) -> Result<AddOutcome, Diagnostic> {
-        let sha256 = runtime::describe::sha256(run.to_json().as_bytes());
+        let sha256 = runtime::suite::describe::sha256(run.to_json().as_bytes());
         let path = self.path.clone();
         let mut write = || -> rusqlite::Result<AddOutcome> {
             let transaction = self.connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
@@ -332,7 +332,7 @@ fn outcome(case: &CaseRecord) -> &'static str {
 fn made_from(case: &CaseRecord, binary: &str) -> String {
     let hashes = &case.hashes;
     let text = format!("{} {} {} {} {binary}", hashes.plan, hashes.board, hashes.program, case.seed);
-    runtime::describe::sha256(text.as_bytes())[..16].to_owned()
+    runtime::suite::describe::sha256(text.as_bytes())[..16].to_owned()
 }
 
 /// Whether a word is that of a pass.

@@ -8,8 +8,8 @@ use capture::{Capture, CaptureError, CaptureFormat, MAX_FILE};
 use document::{Diagnostic, SourceFile};
 use plans::Case;
 use record::CaseRecord;
-use runtime::capture_import::{self, CaseLayout, ChannelMapping, Instants};
-use runtime::rejudge;
+use runtime::case::capture_import::{self, CaseLayout, ChannelMapping, Instants};
+use runtime::case::rejudge;
 use runtime::suite::{self, Disk, Job, LoadedPlan};
 use signal::{Span, When};
 

@@ -2,7 +2,7 @@
 
 use capture::Capture;
 use document::Diagnostic;
-use runtime::capture_import::ChannelMapping;
+use runtime::case::capture_import::ChannelMapping;
 use signal::{SignalInfo, Span, Time, Value, When};
 
 /// Which change of a channel.

@@ -2,7 +2,7 @@
 
 use capture::Capture;
 use document::{Diagnostic, suggest};
-use runtime::capture_import::{ChannelMapping, misfit};
+use runtime::case::capture_import::{ChannelMapping, misfit};
 use signal::SignalInfo;
 
 /// Channels that a message names at most.

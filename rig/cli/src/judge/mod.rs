@@ -119,5 +119,5 @@ fn load(file: File) -> Result<Trace, String> {
 }
 
 fn own(plan: &Path, trace: &Trace, sources: &mut Vec<SourceFile>) -> Result<CaseRecord, Vec<Diagnostic>> {
-    runtime::rejudge::judge_gathered(&suite::gather(&Disk, &plan.to_string_lossy(), sources)?, trace)
+    runtime::case::rejudge::judge_gathered(&suite::gather(&Disk, &plan.to_string_lossy(), sources)?, trace)
 }

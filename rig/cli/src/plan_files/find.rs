@@ -3,7 +3,7 @@
 use crate::exit::ExitStatus;
 use crate::output;
 use crate::plan_files::kind::{self, FileKind};
-use runtime::suites::is_suite;
+use runtime::suite::suites::is_suite;
 use std::path::{Component, Path, PathBuf};
 
 /// Files of paths: files as given, folders searched for plans in the order of names.

@@ -3,7 +3,7 @@
 use crate::plan_files::kind::{self, FileKind};
 use include_dir::{Dir, include_dir};
 use runtime::suite::FileSource;
-use runtime::suites::is_suite;
+use runtime::suite::suites::is_suite;
 use std::path::{Component, Path, PathBuf};
 
 static LIBRARY: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../plans/library");

@@ -6,7 +6,7 @@ use crate::exit::ExitStatus;
 use crate::output;
 use crate::output::OutputFormat;
 use profile::Profile;
-use runtime::standalone::{StandaloneRun, StandaloneTask};
+use runtime::instrument::standalone::{StandaloneRun, StandaloneTask};
 use serde_json::json;
 use signal::Span;
 use std::sync::Arc;

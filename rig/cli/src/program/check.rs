@@ -4,7 +4,7 @@ use super::compile_with;
 use crate::exit::ExitStatus;
 use crate::output;
 use profile::Profile;
-use runtime::tasks;
+use runtime::application::tasks;
 use std::path::PathBuf;
 
 /// Compiles files and says what is wrong: with the program, and with its tasks for the default controller.

@@ -13,7 +13,7 @@ use crate::output;
 use document::{Diagnostic, SourceFile};
 use profile::Profile;
 use program::Program;
-use runtime::standalone::StandaloneEnd;
+use runtime::instrument::standalone::StandaloneEnd;
 use runtime::suite::{self, Disk};
 use signal::Span;
 use std::path::PathBuf;
@@ -51,7 +51,7 @@ fn compile_with(
             }
         }
     }
-    sources.extend(runtime::blocks::generated(&sources));
+    sources.extend(runtime::application::blocks::generated(&sources));
     match compiler(&sources, Profile::default()) {
         Ok(program) => {
             output::findings(&program.warnings, &sources);

@@ -8,8 +8,8 @@ use crate::output::OutputFormat;
 use profile::Profile;
 use program::{Elementary, Program, SetError, ShownVariable};
 use reports::text;
-use runtime::coverage::by_file;
-use runtime::standalone::{StandaloneRun, tasks};
+use runtime::application::coverage::by_file;
+use runtime::instrument::standalone::{StandaloneRun, tasks};
 use serde_json::{Map, Value as Json, json};
 use signal::Value;
 use std::sync::Arc;
@@ -64,7 +64,7 @@ fn finish(args: &ProgramRunArgs, mut alone: StandaloneRun, program: &Program) ->
     };
     let coverage = args.coverage.then(|| {
         let files = by_file(program, &alone.coverage());
-        files.iter().map(runtime::coverage::CoveredFile::record).collect::<Vec<_>>()
+        files.iter().map(runtime::application::coverage::CoveredFile::record).collect::<Vec<_>>()
     });
     match args.format {
         OutputFormat::Table => {

@@ -6,7 +6,7 @@ use crate::saved_runs::SavedRun;
 use crate::saved_runs::report_folder::ReportFolder;
 use document::Diagnostic;
 use record::{CaseRecord, Provenance, RunRecord};
-use runtime::coverage::CoverageTotal;
+use runtime::application::coverage::CoverageTotal;
 use std::path::{Path, PathBuf};
 
 /// The whole, whose traces are still where the parts left them.

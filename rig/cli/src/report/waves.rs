@@ -76,7 +76,7 @@ fn load(folder: &Path, case: &CaseRecord) -> Result<Trace, String> {
     let mut file = BufReader::new(File::open(&path).map_err(|error| format!("{}: {error}", path.display()))?);
     let trace = Trace::load(&mut file, LoadLimits::default())
         .map_err(|error| format!("{} is not a complete trace: {error}", path.display()))?;
-    if runtime::describe::hex(&trace.digest()) != case.trace_sha256 {
+    if runtime::suite::describe::hex(&trace.digest()) != case.trace_sha256 {
         return Err(format!("{} is another trace than the record names", path.display()));
     }
     Ok(trace)

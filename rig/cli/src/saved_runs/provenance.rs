@@ -75,5 +75,5 @@ fn binary_sha256() -> Option<String> {
             count => hasher.update(&piece[..count]),
         }
     }
-    Some(runtime::describe::hex(&hasher.finalize()))
+    Some(runtime::suite::describe::hex(&hasher.finalize()))
 }

@@ -238,7 +238,7 @@ fn file_name(case: &str) -> String {
 fn distinct(name: &str, case: &str) -> String {
     // What tells long names apart is at their end: the row, the point of the sweep.
     let start = name.len().saturating_sub(LONGEST_NAME - 20);
-    let hash = runtime::describe::sha256(case.as_bytes());
+    let hash = runtime::suite::describe::sha256(case.as_bytes());
     format!("{}-{}", &name[start..], &hash[..16])
 }
 

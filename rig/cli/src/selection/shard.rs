@@ -50,7 +50,7 @@ pub fn sha256(loaded: &[LoadedPlan], jobs: &[Job]) -> String {
     for job in jobs {
         text.push_str(&format!("{} {} {} {}\n", job.plan, job.seed, job.name.len(), job.name));
     }
-    runtime::describe::sha256(text.as_bytes())
+    runtime::suite::describe::sha256(text.as_bytes())
 }
 
 #[cfg(test)]

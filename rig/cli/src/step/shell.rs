@@ -5,8 +5,8 @@ use plans::Case;
 use plans::judge::{ClaimProgress, Scenario};
 use record::Verdict;
 use reports::text::clean;
-use runtime::describe;
-use runtime::stepping::{Pause, StepTarget, Stepper};
+use runtime::executor::stepping::{Pause, StepTarget, Stepper};
+use runtime::suite::describe;
 use signal::{SignalInfo, Span, Time, Trace, ValueKind};
 use std::io::{BufRead, IsTerminal};
 

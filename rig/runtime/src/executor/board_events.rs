@@ -2,7 +2,7 @@
 
 use super::Executor;
 use super::real_lines::InputChange;
-use crate::rig_fault::RigFault;
+use crate::executor::rig_fault::RigFault;
 use crate::wiring::WiredInput;
 use drivers::{BoardEvent, ChannelKind, LossReason, Origin};
 use signal::{Cause, Value, When};

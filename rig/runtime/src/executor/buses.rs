@@ -1,7 +1,7 @@
 //! What the executor sees on the board's buses.
 
 use super::Executor;
-use crate::rig_fault::RigFault;
+use crate::executor::rig_fault::RigFault;
 use drivers::{BoardExt, BusError, BusEvent, BusId, LossReason};
 use signal::{CanFrame, Cause, Time, When};
 

@@ -2,7 +2,7 @@
 //! about a line counts from the line: so the mark of a step that drives lines ends when they were seen driven.
 
 use super::Executor;
-use crate::rig_fault::RigFault;
+use crate::executor::rig_fault::RigFault;
 use crate::schedule::Act;
 use controller::Command;
 use drivers::{Channel, ChannelId};

@@ -2,8 +2,8 @@
 //! with keeps apart, and a step is done when its last edge was seen.
 
 use super::Executor;
+use crate::executor::rig_fault::RigFault;
 use crate::generator::StimulusGenerator;
-use crate::rig_fault::RigFault;
 use crate::subject::SubjectExt;
 use drivers::ChannelId;
 use signal::{Span, Time, Value};

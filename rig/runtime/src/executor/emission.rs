@@ -2,7 +2,7 @@
 //! of such a step is its last edge, as far as the board reports its edges.
 
 use super::Executor;
-use crate::rig_fault::RigFault;
+use crate::executor::rig_fault::RigFault;
 use crate::wiring::Wiring;
 use controller::Terminal;
 use drivers::{BoardExt, Channel, ChannelId, Emission, Origin};

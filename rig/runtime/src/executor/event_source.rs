@@ -1,7 +1,7 @@
 //! What can happen next, and in which order it does at one instant.
 
 use super::Executor;
-use crate::rig_fault::RigFault;
+use crate::executor::rig_fault::RigFault;
 use plans::steps::CasePart;
 use signal::Time;
 

@@ -1,8 +1,8 @@
 //! What an executor is given of a case, and what it leaves.
 
-use crate::case_ending::NotRefused;
-use crate::frame_log::FrameLog;
-use crate::rig_fault::RigFault;
+use crate::executor::frame_log::FrameLog;
+use crate::executor::rig_fault::RigFault;
+use crate::schedule::case_ending::NotRefused;
 use controller::State;
 use drivers::OnLoss;
 use record::Wakes;

@@ -2,7 +2,7 @@
 
 use super::Executor;
 use super::event_source::EventSource;
-use crate::rig_fault::RigFault;
+use crate::executor::rig_fault::RigFault;
 use crate::scan_port::{ExecutorRole, ObservedSource, ScanCommand, ScanCommandError, ScanPort, ScanRequest};
 use crate::subject::{NO_PROBE, SubjectExt};
 use control::ControllerAction;

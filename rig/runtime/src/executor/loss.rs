@@ -1,7 +1,7 @@
 //! Devices that go away while a case runs, and those that come back.
 
 use super::{Executor, LOG_LINES};
-use crate::rig_fault::RigFault;
+use crate::executor::rig_fault::RigFault;
 use crate::schedule::EndReason;
 use drivers::{BoardError, BoardExt, BusId, BusState, ChannelId, LossReason, OnLoss};
 use signal::Time;

@@ -6,34 +6,43 @@
 mod alarms;
 mod board_events;
 mod buses;
+pub mod clock;
 mod confirm;
 mod edges;
 mod emission;
 mod event_source;
+pub mod frame_log;
+pub mod heartbeat;
 mod limits;
 mod live;
+pub mod loop_counter;
 mod loss;
+pub mod operator;
 mod pacing;
 mod ports;
 mod real_lines;
+pub mod recorder;
 mod relays;
+pub mod rig_fault;
 mod startup;
+pub mod stepping;
 mod steps;
 mod teardown;
+pub(crate) mod wake_statistics;
 
-use crate::clock::Clock;
-use crate::frame_log::FrameLog;
-use crate::heartbeat::Heartbeat;
-use crate::loop_counter::LoopCounter;
-use crate::operator::Operator;
+use crate::executor::clock::Clock;
+use crate::executor::frame_log::FrameLog;
+use crate::executor::heartbeat::Heartbeat;
+use crate::executor::loop_counter::LoopCounter;
+use crate::executor::operator::Operator;
+use crate::executor::recorder::Recorder;
+use crate::executor::rig_fault::RigFault;
+use crate::executor::stepping::{Stepper, Stepping};
+use crate::executor::wake_statistics::WakeStatistics;
 use crate::prepare::ArmedAlarm;
-use crate::recorder::Recorder;
-use crate::rig_fault::RigFault;
 use crate::scan_port::ScanPort;
 use crate::schedule::{EndReason, Schedule};
-use crate::stepping::{Stepper, Stepping};
 use crate::subject::{Subject, SubjectExt};
-use crate::wake_statistics::WakeStatistics;
 use crate::wiring::Wiring;
 use confirm::PendingWrites;
 use controller::{Effect, Effects};
@@ -394,7 +403,7 @@ impl<'a> Executor<'a> {
                         self.report.log_dropped += 1;
                         continue;
                     }
-                    self.log(at, crate::log::show(&entry, self.parts.subject.catalogue()));
+                    self.log(at, crate::subject::log::show(&entry, self.parts.subject.catalogue()));
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Between the ports of the subject and the buses that they are on.
 
 use super::Executor;
-use crate::rig_fault::RigFault;
+use crate::executor::rig_fault::RigFault;
 use crate::wiring::WiredPort;
 use controller::{PortEvent, PortMessage};
 use drivers::{BoardError, BoardExt, Bus, BusEvent, BusId};

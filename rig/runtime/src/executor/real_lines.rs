@@ -6,7 +6,7 @@
 
 use super::pacing::Pacing;
 use super::{Executor, MOST_SIMULTANEOUS};
-use crate::rig_fault::RigFault;
+use crate::executor::rig_fault::RigFault;
 use crate::subject::SubjectExt;
 use controller::Terminal;
 use drivers::{ChannelId, Origin};

@@ -2,7 +2,7 @@
 //! when it came.
 
 use super::Executor;
-use crate::rig_fault::RigFault;
+use crate::executor::rig_fault::RigFault;
 use crate::schedule::Act;
 use drivers::{BoardExt, ChannelId, Origin};
 use signal::{Span, Time, When};

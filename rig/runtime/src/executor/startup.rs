@@ -2,7 +2,7 @@
 //! in.
 
 use super::Executor;
-use crate::rig_fault::RigFault;
+use crate::executor::rig_fault::RigFault;
 use crate::subject::SubjectExt;
 use controller::{Command, State};
 use signal::{Cause, Span, Time, Value, When};

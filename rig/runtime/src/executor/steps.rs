@@ -1,12 +1,12 @@
 //! The steps that are due, and what they do to subject and board.
 
 use super::Executor;
-use crate::case_ending::NotRefused;
+use crate::executor::operator::{AskError, Operator};
+use crate::executor::rig_fault::RigFault;
+use crate::executor::stepping::Pause;
 use crate::generator::BoardOrder;
-use crate::operator::{AskError, Operator};
-use crate::rig_fault::RigFault;
+use crate::schedule::case_ending::NotRefused;
 use crate::schedule::{Act, Due, EndReason, Expected};
-use crate::stepping::Pause;
 use crate::subject::SubjectExt;
 use drivers::{BoardExt, ChannelId};
 use plans::steps::CasePart;

@@ -1,7 +1,7 @@
 //! What comes after a case, however it ended.
 
 use super::Executor;
-use crate::rig_fault::RigFault;
+use crate::executor::rig_fault::RigFault;
 
 /// Calls of the board that fail at one instant of a teardown before it is given up.
 const MOST_FAILURES: usize = 1_000;

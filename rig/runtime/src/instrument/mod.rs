@@ -5,9 +5,11 @@
 //! the calls that a run makes. Not goals: what a plan claims.
 
 mod counts;
+pub mod figures;
 mod loopback;
 mod scan;
 mod square;
+pub mod standalone;
 
 pub use counts::{Counts, Train, counts, is_countable};
 pub use loopback::{Loopback, loopback};
@@ -15,7 +17,7 @@ pub use scan::{Phases, ScanFault, phases};
 pub use square::{EDGES, PERIOD, Square, square};
 
 use crate::codes;
-use crate::heartbeat::Heartbeat;
+use crate::executor::heartbeat::Heartbeat;
 use document::Diagnostic;
 use drivers::{Board, BoardContext, BoardError, BoardEvent, ChannelId, LoopbackPair, LossReason, Origin};
 use guard::GuardError;

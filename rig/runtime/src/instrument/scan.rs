@@ -1,7 +1,7 @@
 //! What the phases of a scan take on a board: waking up, taking the inputs, the program, handing over the outputs.
 
 use super::{Instrument, LoopFault};
-use crate::standalone::StandaloneEnd;
+use crate::instrument::standalone::StandaloneEnd;
 use drivers::{BoardEvent, ChannelId, LossReason, Origin};
 use host::Histogram;
 use signal::{Span, Value};

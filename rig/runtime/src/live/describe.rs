@@ -1,6 +1,6 @@
 //! What a rig reports of itself once: its points, tasks, functions, buses and devices.
 
-use crate::catalogue::Catalogue;
+use crate::application::catalogue::Catalogue;
 use control::{
     BusInfo, ChannelInfo as OnBoard, DeviceInfo, FrameSeen, FunctionInfo, PointDirection, PointInfo,
     SignalKind, TaskInfo,
@@ -159,7 +159,7 @@ pub fn tasks(catalogue: &Catalogue, programs: &[(String, Vec<String>)]) -> Vec<T
 /// The expert functions.
 pub fn functions(catalogue: &Catalogue) -> Vec<FunctionInfo> {
     let config = catalogue.functions();
-    let facts: Vec<String> = crate::functions::names(config).collect();
+    let facts: Vec<String> = crate::application::functions::names(config).collect();
     let function = |known: &expert::FunctionConfig| {
         let prefix = format!("{}.", known.name);
         FunctionInfo {

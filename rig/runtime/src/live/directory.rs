@@ -1,8 +1,8 @@
 //! What names mean to the clients of a rig: numbers for signals, and what is behind each.
 
 use super::fault;
-use crate::catalogue::Catalogue;
-use crate::observable::Observable;
+use crate::application::catalogue::Catalogue;
+use crate::application::observable::Observable;
 use crate::prepare::state_labels;
 use crate::scan_port::ObservedSource;
 use control::{RequestFault, Signal, SignalKind};

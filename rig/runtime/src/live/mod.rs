@@ -14,10 +14,10 @@ mod plans;
 mod status;
 
 use crate::case::DEFAULT_LATE;
-use crate::case_files::CaseFiles;
+use crate::case::test_setup::set_up;
 use crate::hardware::Hardware;
 use crate::scan_port::{PortLimits, ScanPort, Snapshot, queues};
-use crate::test_setup::set_up;
+use crate::suite::case_files::CaseFiles;
 use ::plans::Case;
 use control::{Description, SubjectKind, TimeSource};
 use describe::DeviceTable;

@@ -2,9 +2,9 @@
 
 use super::fault;
 use crate::case::{ClockKind, RunOptions, run_case};
-use crate::case_files::CaseFiles;
 use crate::scan_port::{ScanPort, lock};
 use crate::soft_plc::{self, SoftPlcEvent, SoftPlcReport, SoftPlcSettings};
+use crate::suite::case_files::CaseFiles;
 use crate::suite::{self, FileSource, Job, LoadedPlan};
 use control::{Measured, PlanEvent, RequestFault};
 use document::Diagnostic;
@@ -200,7 +200,7 @@ fn run_job(
 }
 
 fn begin_of(case: &Case, files: &CaseFiles, job: &Job, place: (u32, u32)) -> PlanEvent {
-    let record = crate::describe::record_of(case, files);
+    let record = crate::suite::describe::record_of(case, files);
     let claims = case.expectations.iter().map(|claim| {
         let asks = claim.claim.expected();
         // As the verdict names it.

@@ -1,8 +1,8 @@
 //! Signals that stand for files, the log, registers and rows of the relocation table.
 
 use super::TestBench;
+use crate::application::observable::Observable;
 use crate::codes;
-use crate::observable::Observable;
 use crate::subject::SubjectExt;
 use controller::{FileProbe, Probe, RegisterProbe, RelocationPart};
 use document::Findings;

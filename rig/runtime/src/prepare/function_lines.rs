@@ -1,8 +1,8 @@
 //! Expert functions on the lines of a board: who makes their pulses, and how fast.
 
 use super::TestBench;
+use crate::application::functions::configure;
 use crate::codes;
-use crate::functions::configure;
 use document::Diagnostic;
 use drivers::{Channel, TimestampSource};
 use expert::{AxisConfig, FunctionKind, WaveConfig};

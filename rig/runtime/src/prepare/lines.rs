@@ -3,8 +3,8 @@
 use super::TestBench;
 use super::meaning::{NameMeaning, SignalMeanings};
 use super::signals::channel_info;
+use crate::application::observable::Observable;
 use crate::codes;
-use crate::observable::Observable;
 use controller::Probe;
 use document::Findings;
 use drivers::{BoardKind, Channel, ChannelId, FaultKind};

@@ -1,9 +1,9 @@
 //! What a bound name is on a bench.
 
 use super::TestBench;
-use crate::catalogue::Catalogue;
+use crate::application::catalogue::Catalogue;
+use crate::application::observable::Observable;
 use crate::codes;
-use crate::observable::Observable;
 use crate::subject::SubjectExt;
 use controller::Probe;
 use document::Findings;

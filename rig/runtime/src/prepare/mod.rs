@@ -10,12 +10,12 @@ mod signals;
 mod steps;
 mod waves;
 
-use crate::external::NOT_RUNNING;
-use crate::file_source::beside;
 use crate::frames::{self, FrameWatch};
-use crate::ports;
 use crate::schedule::{Act, PlannedStep};
+use crate::subject::external::NOT_RUNNING;
 use crate::subject::{Subject, SubjectExt};
+use crate::suite::file_source::beside;
+use crate::suite::ports;
 use crate::wiring::Wiring;
 use controller::{Probe, State};
 use document::{Diagnostic, Findings};

@@ -4,7 +4,7 @@ use super::TestBench;
 use super::lines::{driven, embedded_channel, fault_kind, line, of_controller, value_for};
 use super::meaning::{NameMeaning, SignalMeanings, known_tasks, suggestion};
 use super::waves::generator;
-use crate::catalogue::Catalogue;
+use crate::application::catalogue::Catalogue;
 use crate::codes;
 use crate::schedule::{Act, AwaitedChange, Expected, FileAction, PlannedStep, Timing};
 use crate::subject::SubjectExt;

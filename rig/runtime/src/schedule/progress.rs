@@ -4,8 +4,8 @@
 //! came about. Steps of a group are steps like others; the one that runs the group is done when all of them are.
 
 use super::{Due, PlannedStep, Schedule, StepAnchor};
-use crate::case_ending::EarlyEnd;
 use crate::generator::StimulusGenerator;
+use crate::schedule::case_ending::EarlyEnd;
 use drivers::ChannelId;
 use plans::plan::StepRepeat;
 use plans::steps::CasePart;

@@ -4,20 +4,20 @@
 
 mod subject;
 
+use crate::case::configure::initial_state;
+use crate::case::spill;
+use crate::case::test_setup::{TestSetup, set_up};
 use crate::case::{RunOptions, clock};
-use crate::case_files::CaseFiles;
 use crate::codes;
-use crate::configure::initial_state;
+use crate::executor::recorder::Recorder;
+use crate::executor::rig_fault::RigFault;
 use crate::executor::{Executor, ExecutorLimits, ExecutorReport, Parts};
 use crate::hardware::Hardware;
 use crate::prepare::PreparedCase;
-use crate::recorder::Recorder;
-use crate::rig_fault::RigFault;
 use crate::scan_port;
 use crate::schedule::Schedule;
-use crate::spill;
 use crate::subject::SubjectExt;
-use crate::test_setup::{TestSetup, set_up};
+use crate::suite::case_files::CaseFiles;
 use crate::wiring::WiredInput;
 use controller::{State, TaskFigures, Terminal};
 use document::Diagnostic;

@@ -1,8 +1,8 @@
 //! The model with the lines that it has beside its terminals.
 
 use super::SoftPlcEvent;
-use crate::capability::Capability;
-use crate::hook::HookError;
+use crate::subject::capability::Capability;
+use crate::subject::hook::HookError;
 use crate::subject::{
     Disturbances, ExpertFunctionAccess, FileAccess, Observation, PortAccess, Startup, Subject, SubjectExt,
 };
@@ -150,9 +150,8 @@ impl SoftPlc {
                 }
                 // Changes of the state are reported already.
                 Effect::Log { entry: LogEntry::State { .. }, .. } => {}
-                Effect::Log { at, entry } => {
-                    self.report(SoftPlcEvent::Log(at, crate::log::show(&entry, self.model.catalogue())))
-                }
+                Effect::Log { at, entry } => self
+                    .report(SoftPlcEvent::Log(at, crate::subject::log::show(&entry, self.model.catalogue()))),
                 _ => {}
             }
         }
@@ -441,8 +440,8 @@ impl ExpertFunctionAccess for SoftPlc {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::ModelledController;
-    use crate::store::MemoryStore;
+    use crate::subject::model::ModelledController;
+    use crate::application::store::MemoryStore;
     use controller::{Config, Endpoint, PortLife, PortOutbox, RegisterAccess};
     use signal::SerialMessage;
     use std::sync::{Arc, Mutex};

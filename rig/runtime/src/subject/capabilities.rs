@@ -1,7 +1,7 @@
 //! What only some subjects can do. No method has a default: whoever has a capability says what becomes of each.
 
-use crate::hook::HookError;
 use crate::schedule::FileAction;
+use crate::subject::hook::HookError;
 use controller::{
     Disturbance, Effects, FileError, FileProbe, FrontPanel, JitterCounts, Probe, ProbeId, TaskFigures,
     WriteError,

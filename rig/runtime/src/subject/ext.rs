@@ -1,9 +1,9 @@
 //! The capabilities of a subject for callers who do not care whether it has them.
 
 use super::Subject;
-use crate::hook::HookError;
-use crate::observable::Observable;
+use crate::application::observable::Observable;
 use crate::schedule::FileAction;
+use crate::subject::hook::HookError;
 use controller::{
     Disturbance, Effects, FileError, FileProbe, FrontPanel, JitterCounts, Probe, ProbeId, TaskFigures,
     WriteError,
@@ -59,7 +59,7 @@ pub trait SubjectExt: Subject {
         self.startup()?.state_probe()
     }
 
-    /// As [`Catalogue::observable`](crate::catalogue::Catalogue::observable); without a catalogue no name is known.
+    /// As [`Catalogue::observable`](crate::application::catalogue::Catalogue::observable); without a catalogue no name is known.
     fn observable(&self, name: &str) -> Option<Observable> {
         self.catalogue()?.observable(name)
     }

@@ -2,11 +2,16 @@
 //! the capabilities that only some subjects have (decision 52).
 
 mod capabilities;
+pub mod capability;
 mod ext;
+pub mod external;
+pub mod hook;
+pub(crate) mod log;
+pub mod model;
 mod ports;
 
-use crate::capability::Capability;
-use crate::catalogue::Catalogue;
+use crate::application::catalogue::Catalogue;
+use crate::subject::capability::Capability;
 use controller::{Command, CommandError, Effects, State, Terminal};
 use signal::{Address, Time, Value, When};
 

@@ -2,7 +2,7 @@
 //! script says. Time passes only while somebody waits.
 
 use drivers::{Board, BoardError, BoardEvent, Channel, ChannelId, Health, Origin, TimestampSource};
-use scanrig_runtime::clock::Clock;
+use scanrig_runtime::executor::clock::Clock;
 use signal::{Span, Time, Value, When};
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};

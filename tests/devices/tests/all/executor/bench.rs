@@ -6,9 +6,9 @@ use std::sync::atomic::{AtomicI64, AtomicU64, Ordering};
 use controller::TaskKind;
 use drivers::{Board, BoardContext, BoardError, BoardEvent, BoardExt, Channel, ChannelId, Health};
 use host::{Punctual, Realtime, ThreadRole};
-use scanrig_runtime::clock::{Clock, HostClock};
-use scanrig_runtime::model::ModelledController;
+use scanrig_runtime::executor::clock::{Clock, HostClock};
 use scanrig_runtime::subject::SubjectExt;
+use scanrig_runtime::subject::model::ModelledController;
 use signal::{Span, Time, Value};
 
 use super::texts::{Parted, Texts};

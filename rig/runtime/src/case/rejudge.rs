@@ -1,9 +1,9 @@
 //! Verdicts again from a recorded trace alone.
 
 use crate::case::verdict;
-use crate::case_ending::CaseEnding;
 use crate::codes;
-use crate::describe;
+use crate::schedule::case_ending::CaseEnding;
+use crate::suite::describe;
 use document::{Diagnostic, SourceFile};
 use plans::judge::CaseJudge;
 use plans::plan::{GlobalChecks, PlanText};

@@ -1,7 +1,7 @@
 //! Figures of this machine that are kept from one run to the next.
 
 use crate::codes;
-use crate::describe::hex;
+use crate::suite::describe::hex;
 use document::Diagnostic;
 use drivers::gpio::GpioSpec;
 use drivers::{BoardFile, BoardKind};

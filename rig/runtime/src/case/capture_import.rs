@@ -4,12 +4,12 @@
 //! its signals. Its steps come when they are due, counted from the start that the user names, and where a step waits
 //! for something, when the capture has it. After the end of the capture nothing is known.
 
-use crate::case_ending::CaseEnding;
-use crate::case_files::CaseFiles;
-use crate::describe;
-use crate::look_up;
+use crate::case::look_up;
 use crate::prepare::PreparedCase;
+use crate::schedule::case_ending::CaseEnding;
 use crate::schedule::{Act, Due, EndReason, Schedule, Timing};
+use crate::suite::case_files::CaseFiles;
+use crate::suite::describe;
 use capture::{Capture, CapturedChannel, ChannelType, Knowledge};
 use document::Diagnostic;
 use plans::Case;

@@ -1,10 +1,10 @@
 //! What a plan asks for that no line of the board reaches: such a case does not apply.
 
-use crate::case_files::CaseFiles;
-use crate::describe::show_fault;
-use crate::external::NOT_RUNNING;
 use crate::frames;
 use crate::prepare::{fault_on, state_info};
+use crate::subject::external::NOT_RUNNING;
+use crate::suite::case_files::CaseFiles;
+use crate::suite::describe::show_fault;
 use controller::State;
 use drivers::{Board, BoardExt, FaultKind};
 use plans::bench::is_same_for;

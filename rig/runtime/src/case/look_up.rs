@@ -1,11 +1,11 @@
 //! The names of a case, looked up on its bench without running it.
 
-use crate::applicability;
-use crate::case_files::CaseFiles;
-use crate::check;
-use crate::needs::{Unmet, unmet};
+use crate::case::applicability;
+use crate::case::check;
+use crate::case::needs::{Unmet, unmet};
+use crate::case::test_setup::set_up;
 use crate::prepare::PreparedCase;
-use crate::test_setup::set_up;
+use crate::suite::case_files::CaseFiles;
 use document::Diagnostic;
 use plans::Case;
 use plans::judge::CaseJudge;

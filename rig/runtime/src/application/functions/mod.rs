@@ -8,7 +8,7 @@ mod counted;
 pub use configure::{check, configure, warnings};
 pub use counted::{check as check_counted, counted};
 
-use crate::observable::Observable;
+use crate::application::observable::Observable;
 use controller::Probe;
 use expert::{ExpertConfig, FunctionKind, FunctionProbe};
 use signal::ValueKind;

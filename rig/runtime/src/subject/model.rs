@@ -1,12 +1,12 @@
 //! The model as subject.
 
 use crate::application::BundleLoader;
-use crate::capability::Capability;
-use crate::catalogue::Catalogue;
-use crate::coverage::Collector;
+use crate::application::catalogue::Catalogue;
+use crate::application::coverage::Collector;
+use crate::application::variable_numbers::VariableNumbers;
 use crate::schedule::FileAction;
+use crate::subject::capability::Capability;
 use crate::subject::{Disturbances, ExpertFunctionAccess, FileAccess, Observation, PortAccess, Subject};
-use crate::variable_numbers::VariableNumbers;
 use controller::{
     Command, CommandError, Config, ConfigError, Controller, Disturbance, Effect, Effects, Endpoint,
     FileError, FileProbe, FrontPanel, IoModule, JitterCounts, LoadError, NonVolatile, PortEvent, PortMessage,
@@ -77,7 +77,7 @@ impl ModelledController {
     fn log(&mut self, before: usize, effects: &mut Effects) {
         for place in before..effects.list.len() {
             if let Effect::Log { at, entry } = effects.list[place] {
-                let text = crate::log::show(&entry, Some(&self.catalogue));
+                let text = crate::subject::log::show(&entry, Some(&self.catalogue));
                 self.controller.log_line(at, &text, effects);
             }
         }

@@ -1,7 +1,7 @@
 //! What a command that loads a real controller is given of the case: in its environment, and in files beside it.
 
-use crate::case_files::CaseFiles;
-use crate::hook::Hook;
+use crate::subject::hook::Hook;
+use crate::suite::case_files::CaseFiles;
 use plans::Case;
 use plans::plan::{HaltOutputs, InitialState, OutputsInStop, Rearming, StartingMode};
 use signal::Span;

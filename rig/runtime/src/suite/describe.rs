@@ -1,7 +1,7 @@
 //! What a record and a trace say of where they come from.
 
-use crate::case_files::CaseFiles;
 use crate::subject::{Subject, SubjectExt};
+use crate::suite::case_files::CaseFiles;
 use crate::wiring::Wiring;
 use document::Joined;
 use drivers::Channel;
@@ -120,7 +120,7 @@ pub(crate) fn annotate_files(trace: &mut Trace, case: &Case, files: &CaseFiles, 
         let file = guards.file();
         trace.set_note(&format!("guards:{place:03}:{kind}:{}", file.name), file.text.clone());
     }
-    let ports = crate::ports::wired(&files.board, files.reference);
+    let ports = crate::suite::ports::wired(&files.board, files.reference);
     for (place, port) in ports.iter().enumerate().filter(|(_, port)| port.bus.is_some()) {
         trace.set_note(&format!("port:{place}"), port.name.to_owned());
     }

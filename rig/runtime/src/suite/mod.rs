@@ -1,10 +1,17 @@
 //! Many plans: their files, their cases, and several cases at once.
 
-use crate::blocks;
-use crate::case_files::{CaseFiles, OtherProgram};
+pub(crate) mod case_export;
+pub mod case_files;
+pub mod describe;
+pub mod file_source;
+pub(crate) mod ports;
+pub mod real_boards;
+pub mod suites;
+
+use crate::application::blocks;
 use crate::codes;
-pub use crate::file_source::{Disk, FileSource, beside, load, load_program};
-use crate::suites;
+use crate::suite::case_files::{CaseFiles, OtherProgram};
+pub use crate::suite::file_source::{Disk, FileSource, beside, load, load_program};
 use document::{Diagnostic, SourceFile};
 use drivers::file::{
     BoardFile, Subject as BoardSubject, SubjectPort, SubjectPortKind, Terminals, UnknownSubject,
@@ -285,7 +292,7 @@ impl LoadedPlan {
         self.suites.iter().for_each(|suite| add(&suite.file().name, &suite.file().text));
         self.given.iter().for_each(|(name, value)| add(name, value));
         self.board.iter().for_each(|(_, text)| add("", text));
-        crate::describe::sha256(text.as_bytes())
+        crate::suite::describe::sha256(text.as_bytes())
     }
 
     /// What is worth knowing about the suites.

@@ -1,6 +1,6 @@
 //! Suite files: `suite.toml` in the folder of a plan and in the folders above it.
 
-use crate::file_source::{FileSource, load};
+use crate::suite::file_source::{FileSource, load};
 use document::{Diagnostic, SourceFile};
 use plans::plan::GlobalChecks;
 use std::path::Path;

@@ -1,28 +1,40 @@
 //! One case from its plan to its record.
 
-use crate::case_ending::CaseEnding;
-use crate::case_files::CaseFiles;
-use crate::check;
-use crate::clock::{Clock, HostClock, LateClock, VirtualClock};
-use crate::configure::initial_state;
-use crate::coverage::{Collector, CoveredFile};
+pub(crate) mod applicability;
+pub mod capture_import;
+pub(crate) mod check;
+pub(crate) mod configure;
+pub mod jobs;
+pub mod lanes;
+pub(crate) mod look_up;
+pub(crate) mod needs;
+pub(crate) mod refusal;
+pub mod rejudge;
+pub(crate) mod spill;
+pub(crate) mod test_setup;
+
+use crate::application::coverage::{Collector, CoveredFile};
+use crate::case::configure::initial_state;
+use crate::case::look_up::look_up;
+use crate::case::needs::{Unmet, unmet};
+use crate::executor::clock::{Clock, HostClock, LateClock, VirtualClock};
+use crate::executor::operator::Operator;
+use crate::executor::recorder::Recorder;
 use crate::executor::{Executor, ExecutorLimits, ExecutorReport, Parts};
 use crate::hardware::{Hardware, in_virtual_time};
-use crate::look_up::look_up;
-use crate::needs::{Unmet, unmet};
-use crate::operator::Operator;
 use crate::prepare::{NOT_PROMISED, PreparedCase};
-use crate::recorder::Recorder;
 use crate::scan_port::{self, ScanPort};
+use crate::schedule::case_ending::CaseEnding;
+use crate::suite::case_files::CaseFiles;
 
-use crate::loop_counter::LoopCounter;
-use crate::rig_fault::RigFault;
+use crate::case::test_setup::{TestSetup, set_up};
+use crate::executor::loop_counter::LoopCounter;
+use crate::executor::rig_fault::RigFault;
+use crate::executor::stepping::Stepper;
 use crate::schedule::Schedule;
-use crate::stepping::Stepper;
 use crate::subject::{Subject, SubjectExt};
+use crate::suite::describe;
 use crate::suite::nobody_to_ask;
-use crate::test_setup::{TestSetup, set_up};
-use crate::{applicability, describe, lanes, refusal, spill};
 use document::Diagnostic;
 use drivers::BoardExt;
 use drivers::RealtimeSettings;

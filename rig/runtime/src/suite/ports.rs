@@ -1,7 +1,7 @@
 //! Which bus of the board each port of the subject is on.
 
-use crate::case_files::CaseFiles;
 use crate::codes;
+use crate::suite::case_files::CaseFiles;
 use crate::wiring::WiredPort;
 use document::{Diagnostic, suggest};
 use drivers::BoardFile;

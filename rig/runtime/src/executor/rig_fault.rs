@@ -1,7 +1,7 @@
 //! Faults of the rig itself: the verdict is then `error`, whatever the controller did.
 
-use crate::hook::HookError;
-use crate::operator::AskError;
+use crate::executor::operator::AskError;
+use crate::subject::hook::HookError;
 use controller::{CommandError, FileError, State, WriteError};
 use drivers::{BoardError, BusKind, BusState, Channel, ChannelId, Health, LossReason};
 use signal::{Span, Time, TraceError};

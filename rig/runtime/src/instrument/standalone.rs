@@ -1,6 +1,6 @@
 //! A program alone: no controller, no board, only its tasks at their intervals. For trying a block.
 
-use crate::blocks;
+use crate::application::blocks;
 use controller::{Memory, Rtc};
 use expert::{ExpertConfig, ExpertFunctions};
 use profile::Profile;

@@ -1,13 +1,13 @@
 //! What a bench shows of a case before anything moves: values that its signals cannot have, signals that nothing can
 //! move, needs that it does not meet.
 
-use crate::case_files::CaseFiles;
+use crate::case::needs::{Unmet, unmet};
 use crate::codes;
 use crate::generator::StimulusGenerator;
-use crate::needs::{Unmet, unmet};
 use crate::prepare::PreparedCase;
 use crate::schedule::{Act, PlannedStep, Timing};
 use crate::subject::Subject;
+use crate::suite::case_files::CaseFiles;
 use document::Diagnostic;
 use drivers::circuit::PlantSpec;
 use drivers::{Board, BoardFile, ChannelId};

@@ -2,6 +2,7 @@
 //! case runs.
 
 mod awaited;
+pub mod case_ending;
 mod progress;
 
 use crate::generator::{BoardOrder, StimulusGenerator};

@@ -1,7 +1,7 @@
 //! The real lines of a run, and the real controller on them.
 
 use crate::codes;
-use crate::file_source::beside;
+use crate::suite::file_source::beside;
 use crate::suite::{Job, LoadedPlan};
 use document::Diagnostic;
 use drivers::file::BoardFile;

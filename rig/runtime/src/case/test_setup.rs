@@ -1,23 +1,23 @@
 //! Subject and board of a case, made of its files.
 
+use crate::application::bundle::Bundle;
+use crate::application::coverage::Collector;
+use crate::application::functions;
+use crate::application::inputs;
+use crate::application::store::MemoryStore;
+use crate::application::tasks::Tasks;
 use crate::application::{assign, compile};
-use crate::bundle::Bundle;
-use crate::case_export;
-use crate::case_files::CaseFiles;
-use crate::check::CaseOnBench;
+use crate::case::check::CaseOnBench;
+use crate::case::configure::{configuration, initial_state};
 use crate::codes;
-use crate::configure::{configuration, initial_state};
-use crate::coverage::Collector;
-use crate::external::ExternalController;
-use crate::functions;
-use crate::hook::Hook;
-use crate::inputs;
-use crate::model::ModelledController;
-use crate::ports;
 use crate::prepare::{PreparedCase, TestBench, prepare};
-use crate::store::MemoryStore;
 use crate::subject::Subject;
-use crate::tasks::Tasks;
+use crate::subject::external::ExternalController;
+use crate::subject::hook::Hook;
+use crate::subject::model::ModelledController;
+use crate::suite::case_export;
+use crate::suite::case_files::CaseFiles;
+use crate::suite::ports;
 use controller::{Command, Config, Effects, LoadError, RelocationPart, State};
 use document::{Diagnostic, SourceFile};
 use drivers::External as Settings;
@@ -90,7 +90,7 @@ pub(crate) fn set_up(
     let mut config = configuration(&case.settings, files)?;
     let tasks = Tasks::new(program.as_deref(), &case.settings, files.profile, &files.plan)?;
     tasks.configure(&mut config, &case.settings, program.as_deref(), &files.plan)?;
-    let mut warnings = crate::tasks::warnings(&config, &files.plan);
+    let mut warnings = crate::application::tasks::warnings(&config, &files.plan);
     warnings.extend(functions::warnings(&config, &case.settings, &files.plan.name));
     let tasks = tasks.programs;
     if let Some(program) = &program {

@@ -1,6 +1,6 @@
 //! The controller's log in words.
 
-use crate::catalogue::Catalogue;
+use crate::application::catalogue::Catalogue;
 use controller::{FaultClass, LogEntry, Overload};
 
 /// A log entry with the names of tasks, functions and sources, as far as they are known.

@@ -1,7 +1,7 @@
 //! What a plan needs of subject, board and rig.
 
-use crate::capability::Capability;
 use crate::subject::Subject;
+use crate::subject::capability::Capability;
 use drivers::{Board, Channel, FaultSet};
 use plans::Case;
 use plans::lang::{Amount, BoundRelation, Need};

@@ -1,8 +1,8 @@
 //! A real controller on the board's lines. It runs by itself: the rig switches its supply and its Run/Stop switch, sees
 //! what its alarm output says of its state, and drives and sees its terminals as channels of the board.
 
-use crate::capability::Capability;
-use crate::hook::{Hook, HookError};
+use crate::subject::capability::Capability;
+use crate::subject::hook::{Hook, HookError};
 use crate::subject::{Startup, Subject};
 use controller::{Command, CommandError, Effect, Effects, ProbeId, State, Terminal};
 use drivers::{Board, BoardFile, ChannelId, External as Settings};

@@ -1,8 +1,8 @@
 //! The embedded inputs of a case: what its settings say, what the controller's documents exclude, and how they are
 //! named in a plan.
 
+use crate::application::observable::Observable;
 use crate::codes;
-use crate::observable::Observable;
 use controller::{Config, ConfigError, InputConfig, InputFault, InputProbe, Probe, RunStopFault};
 use document::Diagnostic;
 use plans::plan::PlanSettings;

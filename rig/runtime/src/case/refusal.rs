@@ -1,9 +1,9 @@
 //! Cases that are to be refused or warned of when they are checked, and never run.
 
 use crate::application::{compile, notes};
-use crate::case_files::CaseFiles;
+use crate::case::look_up::look_up;
 use crate::codes;
-use crate::look_up::look_up;
+use crate::suite::case_files::CaseFiles;
 use document::Diagnostic;
 use plans::Case;
 use plans::plan::ExpectedRefusal;

@@ -1,12 +1,23 @@
 //! The user's program as the controller's application: `program` and `controller` meet here, for neither knows
 //! the other.
 
-use crate::blocks;
-use crate::bundle::Bundle;
+pub mod blocks;
+pub mod bundle;
+pub mod catalogue;
+pub mod coverage;
+pub mod functions;
+pub(crate) mod inputs;
+pub mod observable;
+pub mod store;
+pub(crate) mod system_variables;
+pub mod tasks;
+pub mod variable_numbers;
+
+use crate::application::bundle::Bundle;
+use crate::application::coverage::Collector;
+use crate::application::system_variables::with_system;
+use crate::application::variable_numbers::{ResolvedVariables, VariableNumbers};
 use crate::codes;
-use crate::coverage::Collector;
-use crate::system_variables::with_system;
-use crate::variable_numbers::{ResolvedVariables, VariableNumbers};
 use controller::{
     Application, ApplicationFault, FaultClass, LoadError, Loader, Memory, RegisterFormat, Slice, SliceEnd,
     SystemCall, VariableLocation, VariableReset,

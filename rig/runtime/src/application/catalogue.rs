@@ -1,9 +1,9 @@
 //! What the names of a modelled controller mean: variables, system variables, indicators, inputs, facts of functions.
 
-use crate::functions;
-use crate::inputs;
-use crate::observable::Observable;
-use crate::variable_numbers::VariableNumbers;
+use crate::application::functions;
+use crate::application::inputs;
+use crate::application::observable::Observable;
+use crate::application::variable_numbers::VariableNumbers;
 use controller::{Config, Led, Probe, SystemType, SystemVariable, TaskConfig};
 use expert::ExpertConfig;
 use profile::Reference;

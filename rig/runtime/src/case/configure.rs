@@ -1,9 +1,9 @@
 //! The controller's configuration from what a plan sets.
 
-use crate::case_files::CaseFiles;
+use crate::application::functions;
+use crate::application::inputs;
 use crate::codes;
-use crate::functions;
-use crate::inputs;
+use crate::suite::case_files::CaseFiles;
 use controller::{
     AlwaysUpdate, Config, HaltOutputs, OutputsInStop, Rearming, RelocationConfig, StartingMode, State,
     WatchdogBasis,

@@ -1,11 +1,13 @@
 //! Real lines: a board that is opened once and lent to one case after the other, and what the machine gives a run to
 //! be on time.
 
-use crate::bench_lock::BenchLock;
-use crate::clock::HostClock;
+pub mod bench_lock;
+
 use crate::codes;
-use crate::figures::{self, MachineFigures};
-use crate::heartbeat::Heartbeat;
+use crate::executor::clock::HostClock;
+use crate::executor::heartbeat::Heartbeat;
+use crate::hardware::bench_lock::BenchLock;
+use crate::instrument::figures::{self, MachineFigures};
 use crate::instrument::{self, Instrument, LoopFault};
 use document::Diagnostic;
 use drivers::gpio::GpioSpec;
