@@ -358,7 +358,7 @@ proptest! {
             Some(instants.windows(2).all(|pair| pair[1] - pair[0] <= limit))
         };
         let until = if moving { format!("a + {length} ns") } else { "b".to_owned() };
-        let text = format!(r#"{{ frames = {{ frame = "q", gap = "{limit} ns", from = "a", until = "{until}" }} }}"#);
+        let text = format!(r#"{{ frames = {{ frame = "q", max-gap = "{limit} ns", from = "a", until = "{until}" }} }}"#);
         let step = |signal| *raw.iter().find(|event| event.signal == signal).unwrap();
         let (a, b) = (step(1), step(2));
         if !moving && a.b >= b.a {

@@ -42,7 +42,7 @@ fn a_step_that_the_end_cuts_off_is_reported() {
 ends = \"{ends}\"
 steps = [
   {{ id = \"press\", at = \"start + 1 s\", pulse = {{ signal = \"button\", width = \"2 s\" }} }},
-  {{ id = \"hot\", at = \"start + 1 s\", fault = {{ signal = \"button\", kind = \"open\", for = \"1 h\" }} }},
+  {{ id = \"hot\", at = \"start + 1 s\", fault = {{ signal = \"button\", kind = \"open\", duration = \"1 h\" }} }},
 ]
 expect = [{{ state = {{ stays = \"RUNNING\" }} }}]
 "

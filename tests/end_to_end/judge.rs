@@ -20,7 +20,7 @@ steps = [
   { id = "more", at = "start + 800 ms", send = { bus = "drive", id = 0x701, data = "05", period = "50 ms", count = 4 } },
 ]
 ends = "start + 1 s"
-expect = [{ frames = { frame = "beat", count = "$count", cycle = "$cycle", gap = "$gap", from = "beats" } }]
+expect = [{ frames = { frame = "beat", count = "$count", cycle = "$cycle", max-gap = "$gap", from = "beats" } }]
 [frames]
 beat = { bus = "machine", id = 0x701 }
 [rows]

@@ -1,7 +1,7 @@
 //! `frames`: how many frames come on a bus, how far apart, and with which longest gap.
 //!
 //! ```toml
-//! { frames = { frame = "heartbeat", count = "9 .. 11", cycle = "100 ms ± 5 ms", gap = "150 ms", from = "run" } }
+//! { frames = { frame = "heartbeat", count = "9 .. 11", cycle = "100 ms ± 5 ms", max-max-gap = "150 ms", from = "run" } }
 //! ```
 //! A name of `frames` counts those that were on their bus: every further one is one of the window. The gap is looked at
 //! from the beginning of the window to its first frame and from its last frame to its end, too.
@@ -39,10 +39,11 @@ pub(super) const FRAMES: ExpectVerb = ExpectVerb {
             "How far each is from the one before: \"100 ms ± 5 ms\", or one duration",
         ),
         KeySpec::optional(
-            "gap",
+            "max-gap",
             KeyType::Duration,
             "The longest time without one, the ends of the window included",
-        ),
+        )
+        .was("gap"),
         FROM,
         UNTIL,
     ],
@@ -70,9 +71,9 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceCl
         Some(node) => Some(spans(node, "cycle", SingleSpan::Exactly, cx)?),
         None => None,
     };
-    let gap = fields.duration("gap").map(Span::as_nanos);
+    let gap = fields.duration("max-gap").map(Span::as_nanos);
     if count.is_none() && cycle.is_none() && gap.is_none() {
-        let help = "give `count`, `cycle`, `gap` or several of them";
+        let help = "give `count`, `cycle`, `max-gap` or several of them";
         cx.out.error(codes::CLAIM, cx.place.clone(), "nothing is said of the frames", help);
         return None;
     }
@@ -82,7 +83,7 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceCl
         return None;
     }
     let none = count == Some((0, 0));
-    if let Some(node) = fields.get("cycle").or_else(|| fields.get("gap")).filter(|_| none) {
+    if let Some(node) = fields.get("cycle").or_else(|| fields.get("max-gap")).filter(|_| none) {
         let message = "no frame is wanted, so none has a distance from another";
         cx.out.bad(codes::CLAIM, node, message, "remove it, or allow frames");
         return None;

@@ -6,7 +6,8 @@ use super::drive::above_zero;
 use super::{PlanCommand, StepVerb, Stimulus};
 use super::{StepNames, table_fields};
 
-const CUT_KEYS: &[KeySpec] = &[KeySpec::required("lasts", KeyType::Duration, "How long the supply is off.")];
+const CUT_KEYS: &[KeySpec] =
+    &[KeySpec::required("duration", KeyType::Duration, "How long the supply is off.").was("lasts")];
 
 pub(super) const COMMAND: StepVerb = StepVerb {
     name: "command",
@@ -85,5 +86,5 @@ fn read_power(node: &Node, _: &dyn StepNames, _: &mut Findings) -> Option<Stimul
 }
 
 fn read_power_cut(node: &Node, _: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> {
-    Some(Stimulus::PowerCut(above_zero(&table_fields(node, CUT_KEYS)?, "lasts", out)?))
+    Some(Stimulus::PowerCut(above_zero(&table_fields(node, CUT_KEYS)?, "duration", out)?))
 }

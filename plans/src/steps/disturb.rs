@@ -10,7 +10,7 @@ use crate::lang::terminal;
 
 const OUTPUT_KEYS: &[KeySpec] = &[
     KeySpec::required("output", KeyType::Text, "The output, as in %QX0.0."),
-    KeySpec::optional("for", KeyType::Duration, "How long it lasts; to the end if left out."),
+    KeySpec::optional("duration", KeyType::Duration, "How long it lasts; to the end if left out.").was("for"),
 ];
 
 const ERROR_KEYS: &[KeySpec] = &[
@@ -64,7 +64,7 @@ fn at_output(node: &Node, _: &dyn StepNames, out: &mut Findings) -> Option<(Addr
     let fields = table_fields(node, OUTPUT_KEYS)?;
     let place = fields.get("output")?;
     let address = terminal(place, place.as_text()?, Area::Output, out);
-    let lasts = if fields.has("for") { Some(above_zero(&fields, "for", out)?) } else { None };
+    let lasts = if fields.has("duration") { Some(above_zero(&fields, "duration", out)?) } else { None };
     Some((address?, lasts))
 }
 

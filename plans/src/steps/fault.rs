@@ -16,7 +16,12 @@ const KEYS: &[KeySpec] = &[
     KeySpec::optional("value", KeyType::Value, "The value of a line that is stuck or has a glitch."),
     KeySpec::optional("width", KeyType::Duration, "How long a glitch lasts."),
     KeySpec::optional("delay", KeyType::Duration, "How much later the changes of a late line come."),
-    KeySpec::optional("for", KeyType::Duration, "How long the fault stays; until it is cleared if left out."),
+    KeySpec::optional(
+        "duration",
+        KeyType::Duration,
+        "How long the fault stays; until it is cleared if left out.",
+    )
+    .was("for"),
 ];
 
 const CLEAR_KEYS: &[KeySpec] = &[KeySpec::required("signal", KeyType::SignalRef, "The line.")];
@@ -37,7 +42,7 @@ pub(super) const CLEAR: StepVerb = StepVerb {
     read: read_clear,
 };
 
-/// The keys that each kind takes besides `signal`, `kind` and `for`.
+/// The keys that each kind takes besides `signal`, `kind` and `duration`.
 fn own_keys(kind: &str) -> &'static [&'static str] {
     match kind {
         "stuck" => &["value"],
@@ -54,7 +59,7 @@ fn read(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<Stimul
         return None;
     }
     let signal = scope.signal(fields.get("signal")?, out);
-    let lasts = if fields.has("for") { Some(above_zero(&fields, "for", out)?) } else { None };
+    let lasts = if fields.has("duration") { Some(above_zero(&fields, "duration", out)?) } else { None };
     let value = fields.get("value").map(|value| Literal::read(value, out));
     let kind = match kind {
         "stuck" => LineFault::Stuck(value??),

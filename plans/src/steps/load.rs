@@ -33,7 +33,7 @@ fn read(node: &Node, _: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> 
 
 const SUSPEND_KEYS: &[KeySpec] = &[
     KeySpec::required("task", KeyType::Text, "Name of the task."),
-    KeySpec::required("for", KeyType::Duration, "How long it does not get the processor."),
+    KeySpec::required("duration", KeyType::Duration, "How long it does not get the processor.").was("for"),
 ];
 
 pub(super) const SUSPEND: StepVerb = StepVerb {
@@ -47,6 +47,6 @@ pub(super) const SUSPEND: StepVerb = StepVerb {
 fn read_suspend(node: &Node, _: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> {
     let fields = table_fields(node, SUSPEND_KEYS)?;
     let task = fields.text("task").map(str::to_owned);
-    let lasts = above_zero(&fields, "for", out);
+    let lasts = above_zero(&fields, "duration", out);
     Some(Stimulus::Suspend { task: task?, lasts: lasts? })
 }

@@ -26,14 +26,15 @@ const RANGE: KeySpec =
 const SAMPLE: KeySpec =
     KeySpec::optional("sample", KeyType::Duration, "Time from one value to the next; 1 ms if left out.");
 const LASTS: KeySpec = KeySpec::optional(
-    "lasts",
+    "duration",
     KeyType::Duration,
     "How long it lasts; until something else drives the line if left out.",
-);
+)
+.was("lasts");
 const COUNT: KeySpec = KeySpec::optional(
     "count",
     KeyType::Integer(1, MAX_PULSES as i64),
-    "How many periods, in place of `lasts`.",
+    "How many periods, in place of `duration`.",
 );
 const PHASE: KeySpec = KeySpec::optional(
     "phase",
@@ -45,7 +46,7 @@ const RAMP_KEYS: &[KeySpec] = &[
     SIGNAL,
     KeySpec::optional("from", KeyType::Quantity, "Where it begins; where the line is if left out."),
     KeySpec::required("to", KeyType::Quantity, "Where it ends."),
-    KeySpec::required("lasts", KeyType::Duration, "How long it takes."),
+    KeySpec::required("duration", KeyType::Duration, "How long it takes.").was("lasts"),
     SAMPLE,
 ];
 
@@ -243,7 +244,7 @@ fn read_ramp(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<S
     let signal = scope.signal(fields.get("signal")?, out);
     let from = quantity(&fields, "from");
     let to = quantity(&fields, "to")?;
-    let lasts = above_zero(&fields, "lasts", out)?;
+    let lasts = above_zero(&fields, "duration", out)?;
     if let Some(from) = &from
         && !from.unit.is_none()
         && !to.unit.is_none()
@@ -275,7 +276,7 @@ fn read_noise(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<
         out.bad(codes::WAVE, fields.get("deviation")?, message, help);
         return None;
     }
-    let lasts = if fields.has("lasts") { Some(above_zero(&fields, "lasts", out)?) } else { None };
+    let lasts = if fields.has("duration") { Some(above_zero(&fields, "duration", out)?) } else { None };
     let sample = sample(&fields, lasts, None, out)?;
     Some(Stimulus::Wave(WaveStimulus {
         signal: signal?,
@@ -301,15 +302,15 @@ fn read_periodic(
     let range = if fields.has("range") { Some(range(&fields, out)?) } else { None };
     let cycle = ExactPeriod::read(&fields, node, &format!("{verb} wave"), out)?;
     let phase = phase(&fields, out)?;
-    if let (true, Some(place)) = (fields.has("lasts"), fields.get("count")) {
-        let message = "the wave has both `lasts` and `count`";
+    if let (true, Some(place)) = (fields.has("duration"), fields.get("count")) {
+        let message = "the wave has both `duration` and `count`";
         out.bad(codes::WAVE, place, message, "leave one of them");
         return None;
     }
     let count = fields.integer("count").and_then(|count| u32::try_from(count).ok());
     let lasts = match count {
         Some(count) => Some(cycle.after(u128::from(count), 1)),
-        None if fields.has("lasts") => Some(above_zero(&fields, "lasts", out)?),
+        None if fields.has("duration") => Some(above_zero(&fields, "duration", out)?),
         None => None,
     };
     if lasts == Some(Span::MAX) {
@@ -388,7 +389,7 @@ fn sample(
 ) -> Option<Span> {
     let sample = if fields.has("sample") { above_zero(fields, "sample", out)? } else { SAMPLE_PERIOD };
     let place = fields.get("sample").or_else(|| fields.get("frequency")).or_else(|| fields.get("period"));
-    let place = place.or_else(|| fields.get("lasts")).or_else(|| fields.get("signal"))?;
+    let place = place.or_else(|| fields.get("duration")).or_else(|| fields.get("signal"))?;
     let period = cycle.map(|cycle| cycle.after(1, 1));
     if let Some(period) = period
         && u64::try_from(period.as_nanos() / sample.as_nanos()).unwrap_or(0) < LEAST_SAMPLES

@@ -298,11 +298,11 @@ fn a_wave_without_end_ends_with_its_step_with_the_case_and_with_what_drives_its_
     let stops = "{ id = \"stop\", at = \"start + 4 ms\", set = { signal = \"fan\", value = true } }";
     for (steps, ends, expected) in [
         // Its step ends it within the high part of a period, and without: the level stays as it is there.
-        (step(", lasts = \"3200 us\""), "wave.done", vec![square.clone(), level(true)]),
-        (step(", lasts = \"3500 us\""), "wave.done", vec![square.clone(), level(false)]),
+        (step(", duration = \"3200 us\""), "wave.done", vec![square.clone(), level(true)]),
+        (step(", duration = \"3500 us\""), "wave.done", vec![square.clone(), level(false)]),
         (step(""), "start + 5 ms", vec![square.clone(), level(false)]),
         // Who drives last drives alone: nothing of the wave comes after it.
-        (step(", lasts = \"3200 us\"") + stops, "start + 9 ms", vec![square.clone(), level(true)]),
+        (step(", duration = \"3200 us\"") + stops, "start + 9 ms", vec![square.clone(), level(true)]),
         (step("") + stops, "start + 9 ms", vec![square, level(true)]),
     ] {
         let case = run(&steps, &format!("ends = \"{ends}\""), 0);
@@ -331,8 +331,8 @@ fn what_a_channel_cannot_emit_is_refused_before_anything_moves() {
         (train("frequency = \"600 kHz\", count = 5"), Some("R0305")),
         (train("frequency = \"1 kHz\", count = 100"), Some("R0305")),
         (square("\"stream\", frequency = \"1 kHz\", count = 5"), None),
-        (square("\"stream\", frequency = \"1 kHz\", lasts = \"4 ms\""), None),
-        (square("\"stream\", frequency = \"1 kHz\", lasts = \"4200 us\""), Some("R0305")),
+        (square("\"stream\", frequency = \"1 kHz\", duration = \"4 ms\""), None),
+        (square("\"stream\", frequency = \"1 kHz\", duration = \"4200 us\""), Some("R0305")),
         (square("\"stream\", frequency = \"1 kHz\""), Some("R0305")),
         (square("\"fan\", frequency = \"1 kHz\", count = 5"), Some("R0305")),
         (square("\"fan\", frequency = \"1 kHz\", phase = \"90 deg\""), Some("R0305")),

@@ -113,7 +113,7 @@ fn power_cuts_and_the_switch_reach_its_lines() {
     let rest = "\
 steps = [
   { id = \"stop\", at = \"start + 1 s\", switch = \"stop\" },
-  { id = \"cut\", at = \"start + 2 s\", power-cut = { lasts = \"3 s\" } },
+  { id = \"cut\", at = \"start + 2 s\", power-cut = { duration = \"3 s\" } },
 ]
 ends = \"cut.done + 3 s\"
 expect = [
@@ -149,7 +149,7 @@ fn what_it_lacks_is_not_applicable_with_the_reason() {
     }
     let bare = "alarm = \"running\"\n";
     let reasons = [
-        (reason(bare, &step("power-cut = { lasts = \"1 s\" }")), "`power`"),
+        (reason(bare, &step("power-cut = { duration = \"1 s\" }")), "`power`"),
         (reason(bare, &step("switch = \"stop\"")), "`run-stop`"),
         (reason("", "expect = [{ state = { stays = \"RUNNING\" } }]"), "no `alarm` line"),
     ];

@@ -50,7 +50,7 @@ const STEPS: &str = r#"
   { id = "slow", at = "train.done + 100 ms", train = { signal = "pulses", period = "10 ms", count = 10 } },
   { id = "busy", at = "start + 8 s", overload = { task = "MAST", cycle = "95 ms" } },
   { id = "stop", at = "start + 10 s", command = "stop" },
-  { id = "cut", at = "start + 11 s", power-cut = { lasts = "500 ms" } },
+  { id = "cut", at = "start + 11 s", power-cut = { duration = "500 ms" } },
   { id = "go", at = "start + 15 s", train = { signal = "pulses", frequency = "1 kHz", count = 1000 } },
   { id = "there", at = "go.done", mark = {} },
   { id = "turn", at = "start + 20 s", encoder = { a = "A", b = "B", moves = [{ by = 400_000, speed = "200 kHz" }] } },

@@ -127,13 +127,13 @@ fn fix(why: EmissionError, emits: &PulseCapability, step: &PlanStep) -> String {
             String::from("make it shorter, or give the generator more room: its board file says how")
         }
         EmissionError::NotEmitted(NotEmitted::Counted) if square => {
-            String::from("leave out `count`, and say with `lasts` how long it takes")
+            String::from("leave out `count`, and say with `duration` how long it takes")
         }
         EmissionError::NotEmitted(NotEmitted::Counted) => {
             String::from("emit a `square` wave, or take a line whose generator counts")
         }
         EmissionError::NotEmitted(NotEmitted::Endless) => {
-            String::from("say with `count` or `lasts` where it ends")
+            String::from("say with `count` or `duration` where it ends")
         }
         EmissionError::NotEmitted(NotEmitted::Nothing | NotEmitted::Disorder) => String::new(),
         EmissionError::EndsHigh if square => String::from("let it last whole periods, as with `count`"),

@@ -44,8 +44,8 @@ signals = { wire = "%IX0.0", quiet = "%QX0.5", cutter = "K1" }
 steps = [
   { id = "cut", at = "start + 600 ms", fault = { signal = "wire", kind = "open" } },
   { id = "cleared", at = "start + 1600 ms", clear = { signal = "wire" } },
-  { id = "short", at = "start + 2600 ms", fault = { signal = "wire", kind = "short-to-ground", for = "800 ms" } },
-  { id = "held", at = "start + 4 s", fault = { signal = "wire", kind = "stuck", value = true, for = "200 ms" } },
+  { id = "short", at = "start + 2600 ms", fault = { signal = "wire", kind = "short-to-ground", duration = "800 ms" } },
+  { id = "held", at = "start + 4 s", fault = { signal = "wire", kind = "stuck", value = true, duration = "200 ms" } },
 ]
 expect = [
   { rises = { signal = "cutter", from = "start + 100 ms", within = "100 ms .. 1 s" } },

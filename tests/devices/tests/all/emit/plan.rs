@@ -45,7 +45,7 @@ title = "Pulses that nobody writes edge by edge"
 program-text = "PROGRAM MAIN END_PROGRAM"
 signals = { stream = "stream", fan = "fan" }
 steps = [
-  { id = "wave", at = "start + 100 ms", square = { signal = "fan", frequency = "1 kHz", duty = "25 %", lasts = "1 s" } },
+  { id = "wave", at = "start + 100 ms", square = { signal = "fan", frequency = "1 kHz", duty = "25 %", duration = "1 s" } },
   { id = "train", at = "start + 200 ms", train = { signal = "stream", frequency = "100 kHz", count = 500 } },
   { id = "short", at = "start + 1 s", train = { signal = "stream", frequency = "10 kHz", count = 100, duty = "1 %" } },
   { id = "rows", at = "start + 1500 ms", sequence = { file = "rows.csv" } },
@@ -127,7 +127,7 @@ fn the_models_pwm_is_made_by_a_chip() {
 fn what_a_generator_cannot_is_refused_and_nothing_moves() {
     let (_lab, sink, chip) = (Lab::enter(), Sink::enter(), PwmChip::enter());
     let before = chip.pin(1).changes;
-    let counted = STEPS.replace("lasts = \"1 s\"", "count = 1_000");
+    let counted = STEPS.replace("duration = \"1 s\"", "count = 1_000");
     let mut rig = start("refused", &counted, &TEST);
     assert_eq!(rig.exit_code(), Some(2), "{}", rig.said());
     assert!(rig.said().contains("R0305") && rig.said().contains("leave out `count`"), "{}", rig.said());
