@@ -24,30 +24,23 @@ pub struct DataPattern {
 }
 
 /// Why a text is no data.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DataFault {
     /// Neither a digit nor a dot.
+    #[error("a byte has two digits from 0 to F, or a dot for any")]
     Digit,
     /// A digit without its other half.
+    #[error("a byte has two digits, and one is missing")]
     Half,
     /// Not eight bits after `2#`.
+    #[error("after `2#` stand eight bits, each 0, 1 or a dot for any")]
     Bits,
     /// Something after `*`.
-    BehindOpen,
+    #[error("nothing stands after `*`")]
+    AfterOpen,
     /// More than [`MAX_DATA`] bytes.
+    #[error("a frame has at most 64 bytes")]
     TooLong,
-}
-
-impl fmt::Display for DataFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            DataFault::Digit => "a byte has two digits from 0 to F, or a dot for any",
-            DataFault::Half => "a byte has two digits, and one is missing",
-            DataFault::Bits => "after `2#` stand eight bits, each 0, 1 or a dot for any",
-            DataFault::BehindOpen => "nothing stands after `*`",
-            DataFault::TooLong => "a frame has at most 64 bytes",
-        })
-    }
 }
 
 impl DataPattern {
@@ -67,7 +60,7 @@ impl DataPattern {
                 continue;
             }
             if pattern.open {
-                return Err((at, DataFault::BehindOpen));
+                return Err((at, DataFault::AfterOpen));
             }
             if c == '*' {
                 pattern.open = true;
@@ -203,7 +196,7 @@ mod tests {
         assert_eq!(fault("1 02"), (0, DataFault::Half));
         assert_eq!(fault("0G"), (0, DataFault::Digit));
         assert_eq!(fault("01 2#0101"), (3, DataFault::Bits));
-        assert_eq!(fault("* 01"), (2, DataFault::BehindOpen));
+        assert_eq!(fault("* 01"), (2, DataFault::AfterOpen));
         assert_eq!(fault(&"00".repeat(65)), (128, DataFault::TooLong));
     }
 

@@ -140,44 +140,29 @@ pub struct AnchorError {
 }
 
 /// What can be wrong with an instant.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum AnchorFault {
     /// No base where one is expected.
+    #[error("expected `start`, `main`, `end`, `teardown` or the id of a step")]
     Base,
     /// A duration stands where a base is expected.
+    #[error("a duration alone is no instant: say from where, as in `start + 1 s`")]
     NoBase,
     /// A part of a step that does not exist.
+    #[error("a step has `.done`, a train `.pulse[n]`, a run the steps of its group")]
     Part,
     /// Not the number of a pulse or an occurrence, from 1.
+    #[error("expected a number from 1, as in `train.pulse[1000]` or `poll[3]`")]
     Number,
     /// Neither `+` nor `-`.
+    #[error("expected `+` or `-` and a duration, or nothing")]
     Operator,
     /// Not a duration.
+    #[error("{0}")]
     Duration(QuantityFault),
     /// The sum is beyond 292 years.
+    #[error("further than 292 years away")]
     TooLarge,
-}
-
-impl fmt::Display for AnchorFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            AnchorFault::Base => {
-                f.write_str("expected `start`, `main`, `end`, `teardown` or the id of a step")
-            }
-            AnchorFault::NoBase => {
-                f.write_str("a duration alone is no instant: say from where, as in `start + 1 s`")
-            }
-            AnchorFault::Part => {
-                f.write_str("a step has `.done`, a train `.pulse[n]`, a run the steps of its group")
-            }
-            AnchorFault::Number => {
-                f.write_str("expected a number from 1, as in `train.pulse[1000]` or `poll[3]`")
-            }
-            AnchorFault::Operator => f.write_str("expected `+` or `-` and a duration, or nothing"),
-            AnchorFault::Duration(fault) => fault.fmt(f),
-            AnchorFault::TooLarge => f.write_str("further than 292 years away"),
-        }
-    }
 }
 
 fn parse(text: &str) -> Result<Anchor, AnchorError> {

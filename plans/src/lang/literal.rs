@@ -24,32 +24,25 @@ pub enum Literal {
 }
 
 /// Why a text is no value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LiteralFault {
     /// Nothing to read.
+    #[error("the value is empty")]
     Empty,
     /// The digits do not fit the base or 64 bits.
+    #[error("the digits do not fit the base, or not into 64 bits")]
     Digits,
     /// After `T#` stands no duration.
+    #[error("a duration is expected after `T#`, as in `T#500ms`")]
     Duration,
     /// Neither a number, a word nor any other value.
+    #[error(
+        "no value: write a number, TRUE, 16#0010, T#500ms, a quantity such as `24 V` or the name of a state"
+    )]
     Unreadable,
     /// A date, a list or a table.
+    #[error("a value is a Boolean, a number or a text")]
     Kind,
-}
-
-impl fmt::Display for LiteralFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            LiteralFault::Empty => "the value is empty",
-            LiteralFault::Digits => "the digits do not fit the base, or not into 64 bits",
-            LiteralFault::Duration => "a duration is expected after `T#`, as in `T#500ms`",
-            LiteralFault::Unreadable => {
-                "no value: write a number, TRUE, 16#0010, T#500ms, a quantity such as `24 V` or the name of a state"
-            }
-            LiteralFault::Kind => "a value is a Boolean, a number or a text",
-        })
-    }
 }
 
 impl Literal {

@@ -1,6 +1,5 @@
 //! A signal's value, now or at another instant: `n`, `n @ cut - 1 ms`.
 
-use std::fmt;
 use std::ops::Range;
 
 use super::{Anchor, AnchorFault, is_path};
@@ -19,11 +18,13 @@ pub struct SignalAt {
 }
 
 /// Why a text is no operand.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SignalAtError {
     /// No name of a signal at these bytes.
+    #[error("expected the name of a signal, as in `n` or `n @ cut`")]
     Signal(Range<usize>),
     /// The instant after `@` is wrong at these bytes.
+    #[error("{1}")]
     Anchor(Range<usize>, AnchorFault),
 }
 
@@ -32,15 +33,6 @@ impl SignalAtError {
     pub fn at(&self) -> Range<usize> {
         match self {
             SignalAtError::Signal(at) | SignalAtError::Anchor(at, _) => at.clone(),
-        }
-    }
-}
-
-impl fmt::Display for SignalAtError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            SignalAtError::Signal(_) => f.write_str("expected the name of a signal, as in `n` or `n @ cut`"),
-            SignalAtError::Anchor(_, fault) => fault.fmt(f),
         }
     }
 }
