@@ -440,8 +440,8 @@ impl ExpertFunctionAccess for SoftPlc {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::subject::model::ModelledController;
     use crate::application::store::MemoryStore;
+    use crate::subject::model::ModelledController;
     use controller::{Config, Endpoint, PortLife, PortOutbox, RegisterAccess};
     use signal::SerialMessage;
     use std::sync::{Arc, Mutex};

@@ -3,7 +3,7 @@
 use super::{BOUND, Bench, CAN_1, ENDS, LINE, SL1, ms, start};
 use controller::{Endpoint, PortEvent, PortLife, PortOutbox, RegisterAccess};
 use drivers::{BusError, BusEvent, BusId, BusState, LossReason};
-use scanrig_runtime::rig_fault::RigFault;
+use scanrig_runtime::executor::rig_fault::RigFault;
 use signal::{CanFrame, SerialMessage, Span, Time, When};
 use std::sync::{Arc, Mutex};
 

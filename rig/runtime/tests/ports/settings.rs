@@ -3,7 +3,7 @@
 use super::{BOUND, Bench, ENDS, LINE, PARTNER, SETTINGS, SL1, ms, start};
 use controller::{Endpoint, PortEvent, PortLife, PortMessage, PortOutbox, RegisterAccess};
 use drivers::BoardError;
-use scanrig_runtime::rig_fault::RigFault;
+use scanrig_runtime::executor::rig_fault::RigFault;
 use signal::{Parity, SerialOutput, SerialSettings, Span, Time};
 
 /// When communication starts it says `1` as its line is, and `2` with other settings. What it hears it says again.
