@@ -65,7 +65,7 @@ fn trouble_of_the_rig() {
     let bench = TestProject::new();
     bench.write(
         "bad.toml",
-        "format = 1\n[board]\nkind = \"simulated\"\n[faults]\nlost = { chance = 1.0, for = \"10 ms\" }\n",
+        "format = 1\n[board]\nkind = \"simulated\"\n[faults]\nlost = { chance = 1.0, duration = \"10 ms\" }\n",
     );
     run(&bench, "trouble.txt", &["test", "lamp.toml", "--board", "bad.toml"]);
 }

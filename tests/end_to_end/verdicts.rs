@@ -55,7 +55,7 @@ fn trouble_of_the_rig_is_4() {
     let bench = TestProject::new();
     for (faults, words) in [
         ("dropped = { chance = 1.0 }", "events of channel"),
-        ("lost = { chance = 1.0, for = \"10 ms\" }", "its device is gone"),
+        ("lost = { chance = 1.0, duration = \"10 ms\" }", "its device is gone"),
         ("failed-calls = { chance = 1.0 }", "failed"),
     ] {
         bench.write("bad.toml", &board(faults));

@@ -486,5 +486,5 @@ pub(super) const LATE: &[KeySpec] = &[
 
 pub(super) const LOST: &[KeySpec] = &[
     KeySpec::required("chance", KeyType::Number, "At how many of its changes, from 0 (none) to 1 (all)"),
-    KeySpec::required("for", KeyType::Duration, "How long"),
+    KeySpec::required("duration", KeyType::Duration, "How long").was("for"),
 ];

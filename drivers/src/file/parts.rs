@@ -144,7 +144,7 @@ pub(super) fn disturbance(fields: &Fields, out: &mut Findings) -> Disturbance {
     let (late_ppm, drop_ppm) = (chance("late"), chance("dropped"));
     let (call_ppm, lose_ppm) = (chance("failed-calls"), chance("lost"));
     let span = |key, inner| fields.inner(key).and_then(|fields| fields.duration(inner)).unwrap_or(Span::ZERO);
-    let (late_by, lost_for) = (span("late", "by"), span("lost", "for"));
+    let (late_by, lost_for) = (span("late", "by"), span("lost", "duration"));
     Disturbance { late_ppm, late_by, drop_ppm, call_ppm, lose_ppm, lost_for }
 }
 

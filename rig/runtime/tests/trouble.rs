@@ -46,7 +46,7 @@ fn faults(text: &str) -> String {
 fn trouble_of_the_board_is_an_error_with_its_reason_and_leaves_everything_safe() {
     for (text, reason) in [
         ("dropped = { chance = 0.2 }", "events of channel Q"),
-        ("lost = { chance = 0.2, for = \"30 ms\" }", "channel Q"),
+        ("lost = { chance = 0.2, duration = \"30 ms\" }", "channel Q"),
         ("failed-calls = { chance = 0.05 }", "failed with error number 5"),
     ] {
         let board = faults(text);
@@ -66,7 +66,7 @@ fn trouble_of_the_board_is_an_error_with_its_reason_and_leaves_everything_safe()
 #[test]
 fn a_lost_device_ends_its_case_through_the_teardown_where_the_board_file_says_so() {
     let teardown = "teardown = [{ id = \"rest\", at = \"teardown + 5 ms\", mark = {} }]";
-    let lost = "[faults]\nlost = { chance = 0.2, for = \"30 ms\" }";
+    let lost = "[faults]\nlost = { chance = 0.2, duration = \"30 ms\" }";
     let run = |key: &str| run(&plan(teardown), &board(&format!("{key}{lost}")));
     for (key, early) in [("", false), ("on-loss = \"go-on\"\n", false), ("on-loss = \"end\"\n", true)] {
         let result = run(key);
@@ -85,7 +85,7 @@ fn a_lost_device_ends_its_case_through_the_teardown_where_the_board_file_says_so
 fn a_lost_device_is_why_its_case_ended_also_where_the_first_lost_claim_ends_it() {
     let interrupt = AtomicBool::new(false);
     let options = RunOptions { fail_fast: true, ..RunOptions::new(ClockKind::Virtual, &interrupt) };
-    let board = board("on-loss = \"end\"\n[faults]\nlost = { chance = 0.2, for = \"30 ms\" }");
+    let board = board("on-loss = \"end\"\n[faults]\nlost = { chance = 0.2, duration = \"30 ms\" }");
     // What is unknown from the loss on makes the claim inconclusive, and does not end the case before the loss does.
     let plan = plan(
         "teardown = [{ id = \"rest\", at = \"teardown + 5 ms\", mark = {} }]\n\
