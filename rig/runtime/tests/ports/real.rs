@@ -30,7 +30,7 @@ const STEPS: &str = r#"
 { id = "stop", when = { signal = "word", becomes = 1, within = "100 s" }, command = "stop" },
 { id = "run", when = { signal = "word", becomes = 2, within = "100 s" }, command = "run" },
 { id = "cut", when = { signal = "word", becomes = 3, within = "100 s" }, mark = {} },
-{ id = "off", at = "cut + 200 ms", power-cut = { lasts = "300 ms" } },
+{ id = "off", at = "cut + 200 ms", power-cut = { duration = "300 ms" } },
 { id = "last", when = { signal = "word", becomes = 4, from = "start", within = "100 s" }, mark = {} },
 "#;
 
