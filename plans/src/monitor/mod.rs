@@ -38,7 +38,7 @@ pub use value_test::{Number, Truth, ValueTest, slack};
 
 /// Follows the signals of one claim and comes to a finding.
 pub trait Monitor {
-    /// The next event of the signal at place `slot` of [`crate::expect::Claim::signals`].
+    /// The next event of the signal at place `slot` of [`crate::expect::TraceClaim::signals`].
     fn feed(&mut self, slot: usize, seen: &TimedValue);
 
     /// Whether the claim is lost whatever comes, when every event before `now` (nanoseconds) is known.

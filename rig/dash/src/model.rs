@@ -26,7 +26,7 @@ pub struct RigModel {
     pub frames: VecDeque<FrameSeen>,
     /// What the plan that runs, or ran last, reported.
     pub plan: Vec<PlanEvent>,
-    /// The cases that it can run, once it was asked ([`control::Operation::Plans`]).
+    /// The cases that it can run, once it was asked ([`control::RequestOperation::Plans`]).
     pub plans: Option<Vec<String>>,
     /// Why there is nothing new: the connection is lost.
     pub gone: Option<String>,

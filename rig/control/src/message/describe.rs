@@ -26,7 +26,7 @@ pub enum TimeSource {
     /// The host's clock.
     #[default]
     Real,
-    /// Clients: time stands still until one advances it ([`crate::Operation::Advance`]).
+    /// Clients: time stands still until one advances it ([`crate::RequestOperation::Advance`]).
     #[serde(alias = "led")]
     Stepped,
 }

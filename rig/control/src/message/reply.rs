@@ -8,14 +8,14 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Done {}
 
-/// The reply to [`crate::Operation::Read`].
+/// The reply to [`crate::RequestOperation::Read`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SignalValues {
     /// The values, in the order of the names.
     pub values: Vec<WireValue>,
 }
 
-/// The reply to [`crate::Operation::Subscribe`].
+/// The reply to [`crate::RequestOperation::Subscribe`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Subscribed {
     /// The subscription's number, which its events have.
@@ -43,14 +43,14 @@ pub struct RigLogLine {
     pub text: String,
 }
 
-/// The reply to [`crate::Operation::Plans`].
+/// The reply to [`crate::RequestOperation::Plans`].
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Plans {
-    /// The cases, as [`crate::Operation::Plan`] takes them.
+    /// The cases, as [`crate::RequestOperation::Plan`] takes them.
     pub plans: Vec<String>,
 }
 
-/// The reply to [`crate::Operation::Advance`].
+/// The reply to [`crate::RequestOperation::Advance`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Advanced {
     /// The instant that was reached, nanoseconds since the rig began.

@@ -177,14 +177,14 @@ pub trait SubjectExt: Subject {
         }
     }
 
-    /// As [`ExpertFunctionAccess::report_missed_edges`](super::ExpertFunctions::report_missed_edges).
+    /// As [`ExpertFunctionAccess::report_missed_edges`](super::ExpertFunctionAccess::report_missed_edges).
     fn report_missed_edges(&mut self, now: Time, input: usize, edges: u32) {
         if let Some(functions) = self.expert_functions() {
             functions.report_missed_edges(now, input, edges);
         }
     }
 
-    /// As [`ExpertFunctionAccess::count`](super::ExpertFunctions::count).
+    /// As [`ExpertFunctionAccess::count`](super::ExpertFunctionAccess::count).
     fn count(&mut self, now: Time, input: usize, steps: i64) {
         if let Some(functions) = self.expert_functions() {
             functions.count(now, input, steps);
