@@ -473,6 +473,9 @@ fn an_unbound_port_discards_and_the_log_says_so_once() {
     let [(at, line)] = lines[..] else { panic!("{:?}", ran.log) };
     assert_eq!(*at, ran.start.unwrap() + ms(50));
     assert!(line.contains("binds no bus") && line.contains("discarded"), "{line}");
+    // An endpoint that waits for the end of what it sends does not wait for ever.
+    let reported = bench.reported();
+    assert!(reported.not_sent >= 5 && reported.sent == 0, "{reported:?}");
 }
 
 /// A frame does not fit on a serial line.

@@ -11,6 +11,9 @@ use std::collections::VecDeque;
 /// Most events that wait for the modelled time to reach them: those of one late wake-up.
 const MOST_PENDING: usize = 1024;
 
+/// Most where no port has a bus: that what was sent is not on its way, and nothing else.
+const MOST_PENDING_WITHOUT_A_BUS: usize = 8;
+
 /// An event on its way to a port.
 #[derive(Clone, Copy, Debug)]
 struct PendingEvent {
@@ -30,6 +33,8 @@ pub(super) struct BoundPorts {
     ports: Vec<Option<usize>>,
     /// By their instants.
     pending: VecDeque<PendingEvent>,
+    /// How many there may be.
+    most_pending: usize,
     /// What is sent on a serial line; its memory is used again.
     output: SerialOutput,
 }
@@ -38,6 +43,7 @@ impl BoundPorts {
     /// Ports on these buses, of a board with so many.
     pub(super) fn new(wired: &[WiredPort], buses: usize) -> BoundPorts {
         let any = wired.iter().any(|port| port.bus.is_some());
+        let most_pending = if any { MOST_PENDING } else { MOST_PENDING_WITHOUT_A_BUS };
         let mut ports = vec![None; buses];
         for (port, wired) in wired.iter().enumerate() {
             if let Some(place) = wired.bus.and_then(|bus| ports.get_mut(usize::from(bus.0))) {
@@ -48,7 +54,8 @@ impl BoundPorts {
             list: wired.to_vec(),
             discards: vec![false; wired.len()],
             ports,
-            pending: VecDeque::with_capacity(if any { MOST_PENDING } else { 0 }),
+            pending: VecDeque::with_capacity(most_pending),
+            most_pending,
             output: SerialOutput::Characters {
                 data: Vec::with_capacity(if any { MAX_SERIAL_DATA } else { 0 }),
                 gap: Span::ZERO,
@@ -94,7 +101,7 @@ impl Executor<'_> {
 
     fn put_to_port(&mut self, at: Time, port: usize, event: PortEvent) {
         let at = at.max(self.now);
-        if self.ports.pending.len() >= MOST_PENDING {
+        if self.ports.pending.len() >= self.ports.most_pending {
             if let Some(known) = self.port_bus(port) {
                 let (bus, kind) = (known.name.clone(), known.kind);
                 self.report.fault.get_or_insert(RigFault::BusDropped { at, bus, kind, count: 1 });
@@ -122,7 +129,13 @@ impl Executor<'_> {
         let Some(message) = self.parts.subject.ports().and_then(|ports| ports.take_output(port)) else {
             return;
         };
-        let Some(bus) = self.ports.bus(port) else { return self.note_discarded(at, port) };
+        let Some(bus) = self.ports.bus(port) else {
+            self.note_discarded(at, port);
+            if !matches!(message, PortMessage::Settings { .. }) {
+                self.put_to_port(at, port, PortEvent::NotSent);
+            }
+            return;
+        };
         let now = self.board_time();
         let sent = match (&message, &mut self.ports.output) {
             (PortMessage::Can(frame), _) => self.parts.board.send(now, bus, frame),
