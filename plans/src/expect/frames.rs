@@ -1,7 +1,7 @@
 //! `frames`: how many frames come on a bus, how far apart, and with which longest gap.
 //!
 //! ```toml
-//! { frames = { frame = "heartbeat", count = "9 .. 11", cycle = "100 ms ± 5 ms", max-max-gap = "150 ms", from = "run" } }
+//! { frames = { frame = "heartbeat", count = "9 .. 11", cycle = "100 ms ± 5 ms", max-gap = "150 ms", from = "run" } }
 //! ```
 //! A name of `frames` counts those that were on their bus: every further one is one of the window. The gap is looked at
 //! from the beginning of the window to its first frame and from its last frame to its end, too.

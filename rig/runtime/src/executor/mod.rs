@@ -193,7 +193,7 @@ impl<'a> Executor<'a> {
         let channels = parts.board.channels();
         let buses = parts.board.bus_list();
         let values: Vec<Value> = channels.iter().map(|channel| channel.safe).collect();
-        let pacing = Pacing::of(channels, buses);
+        let pacing = Pacing::of(channels, buses, parts.heartbeat.is_some());
         let frames = FrameLog::of(buses);
         parts.subject.offload_pulses(&emission::offloaded_outputs(parts.wiring, channels));
         Executor {

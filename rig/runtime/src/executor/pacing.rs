@@ -14,12 +14,13 @@ pub(super) enum Pacing {
 }
 
 impl Pacing {
-    /// That of a board with these channels and buses, of which it may have buses alone.
-    pub(super) fn of(channels: &[Channel], buses: &[Bus]) -> Pacing {
+    /// That of a board with these channels and buses, of which it may have buses alone. One that the guard watches has wires,
+    /// also where no line of it is used: the guard waits for signs of life by the clock.
+    pub(super) fn of(channels: &[Channel], buses: &[Bus], guarded: bool) -> Pacing {
         let virtual_time = |source: TimestampSource| source == TimestampSource::Virtual;
         let modelled = channels.iter().all(|channel| virtual_time(channel.timestamp))
             && buses.iter().all(|bus| virtual_time(bus.timestamp));
-        if modelled { Pacing::EventDriven } else { Pacing::WallClock }
+        if modelled && !guarded { Pacing::EventDriven } else { Pacing::WallClock }
     }
 
     /// Whether there are wires, which take their time and move by themselves.
@@ -42,5 +43,16 @@ impl Pacing {
             Pacing::EventDriven => Span::ZERO,
             Pacing::WallClock => most,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_board_without_lines_has_the_time_of_whoever_watches_it() {
+        assert_eq!(Pacing::of(&[], &[], false), Pacing::EventDriven);
+        assert_eq!(Pacing::of(&[], &[], true), Pacing::WallClock);
     }
 }
