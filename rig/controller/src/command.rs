@@ -124,8 +124,8 @@ pub enum CommandError {
     /// The application of an online change is not valid; the old one runs on.
     #[error("the application is not valid: {0}")]
     Change(#[source] LoadError),
-    /// No statement stands in the line or behind it.
-    #[error("no statement stands in line {line} or behind it")]
+    /// No statement stands in the line or after it.
+    #[error("no statement stands in line {line} or after it")]
     NoStatement {
         /// The line.
         line: u32,

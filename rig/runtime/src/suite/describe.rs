@@ -242,7 +242,7 @@ pub fn what(stimulus: &Stimulus) -> String {
             match (on, lasts) {
                 (true, Some(lasts)) => format!("{what} for {lasts}"),
                 (true, None) => what,
-                (false, _) => format!("{what} cleared"),
+                (false, _) => format!("{what} ends"),
             }
         }
         Stimulus::Train(train) => format!("{} pulses on {}", train.count, train.signal),
