@@ -88,7 +88,7 @@ pub(super) const SUBJECT: &[KeySpec] = &[
         KeyType::List(&KeyType::Text),
         "The command that brings a case's program into a real controller",
     ),
-    KeySpec::optional("unload", KeyType::List(&KeyType::Text), "The command behind a case"),
+    KeySpec::optional("unload", KeyType::List(&KeyType::Text), "The command after a case"),
     KeySpec::optional(
         "load-within",
         KeyType::Duration,

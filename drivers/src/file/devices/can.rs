@@ -160,7 +160,7 @@ fn accept(fields: &Fields, out: &mut Findings) -> Vec<Filter> {
         let filter = node.as_text().and_then(Filter::parse);
         if filter.is_none() && node.as_text().is_some() {
             let help = "write up to three hexadecimal digits, or eight of an extended identifier, and the bits that \
-                        count behind a slash: \"701\", \"700/780\", \"18FEF100\"";
+                        count after a slash: \"701\", \"700/780\", \"18FEF100\"";
             out.bad(codes::CAN_VALUE, node, "this is no pattern of identifiers", help);
         }
         filter
