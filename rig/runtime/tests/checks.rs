@@ -169,3 +169,16 @@ fn a_plan_that_runs_nowhere_is_reported() {
         ["R0149 no case of the plan ever runs: it holds for m251-2024, and its board is of m241-2019"]
     );
 }
+
+#[test]
+fn a_reference_of_another_profile_is_reported() {
+    let plan = |reference: &str| {
+        let setting = format!("settings = {{ reference = \"{reference}\" }}");
+        found(&format!("{setting}\nexpect = [{{ state = {{ stays = \"RUNNING\" }} }}]"))
+    };
+    assert!(plan("TM241C40R").is_empty());
+    assert_eq!(
+        plan("TM251MESE"),
+        ["R0149 the case never runs: its reference TM251MESE is of m251-2024, and its board of m241-2019"]
+    );
+}

@@ -15,6 +15,7 @@ use plans::Case;
 use plans::bench::{Doubt, SignalBounds, doubt};
 use plans::expect::{ClaimDemand, Expectation};
 use plans::signals::{FileFigure, RowFigure, SignalBinding, SignalSource, TaskFigure};
+use profile::Profile;
 use signal::{SignalId, Span};
 
 /// What is looked at.
@@ -86,20 +87,47 @@ pub(crate) fn no_verdict(files: &CaseFiles, reason: &str) -> Diagnostic {
     found.help("ask for less in `needs`, slow the train down, or name another board")
 }
 
-/// A case that runs nowhere: its plan names one profile, its own board has another.
+/// A case that runs nowhere: it holds for another profile than that of its board, or its reference is of another one.
 pub(crate) fn profile(case: &Case, files: &CaseFiles) -> Option<Diagnostic> {
-    let own = case.board.as_ref()?;
-    let only: Vec<&str> = case.profiles.iter().map(|profile| profile.name()).collect();
-    if !files.board.name.ends_with(own.trim_start_matches("./")) {
+    // A board that was given for this run says nothing of the others.
+    let is_own = match &case.board {
+        Some(own) => files.board.name.ends_with(own.trim_start_matches("./")),
+        None => files.board_text.is_empty(),
+    };
+    if !is_own {
         return None;
     }
+    let (message, help) = if case.profiles.is_empty() || case.profiles.contains(&files.profile) {
+        of_another_profile(case, files)?
+    } else {
+        let only: Vec<&str> = case.profiles.iter().map(|profile| profile.name()).collect();
+        let (only, name) = (only.join(", "), files.profile.name());
+        let message =
+            format!("no case of the plan ever runs: it holds for {only}, and its board is of {name}");
+        (message, format!("add \"{name}\" to `profiles`, or name another board"))
+    };
+    Some(Diagnostic::warning(codes::PLAN_NEVER_RUNS, message).at(&files.plan.name, 0..0, "").help(help))
+}
+
+/// That a case with this reference runs on none of its profiles, and what helps.
+fn of_another_profile(case: &Case, files: &CaseFiles) -> Option<(String, String)> {
+    let (reference, name) = (files.reference, files.profile.name());
+    if case.board.is_none() && case.profiles.iter().any(|profile| profile.accepts(reference)) {
+        return None;
+    }
+    let fitting: Vec<&str> =
+        Profile::ALL.iter().filter(|one| one.accepts(reference)).map(|one| one.name()).collect();
+    let fitting = fitting.join(" or ");
+    let own: Vec<&str> = files.profile.references().map(|one| one.name).collect();
+    let (whose, or) = match &case.board {
+        Some(_) => ("its board", format!("name a board of {fitting}")),
+        None => ("the plan", format!("let `profiles` name {fitting}")),
+    };
     let message = format!(
-        "no case of the plan ever runs: it holds for {}, and its board is of {}",
-        only.join(", "),
-        files.profile.name()
+        "the case never runs: its reference {} is of {fitting}, and {whose} of {name}",
+        reference.name
     );
-    let found = Diagnostic::warning(codes::PLAN_NEVER_RUNS, message).at(&files.plan.name, 0..0, "");
-    Some(found.help(format!("add \"{}\" to `profiles`, or name another board", files.profile.name())))
+    Some((message, format!("write a `reference` of {name}: {}; or {or}", own.join(", "))))
 }
 
 /// Adds where a claim stands.
