@@ -170,6 +170,40 @@ fn broken_files_are_refused_where_they_are_broken() {
     }
 }
 
+/// The help of what is wrong with one bus on a board of this kind.
+fn help_of_bus(board: &str, bus: &str) -> String {
+    let text = format!("format = 1\nboard = {{ kind = \"{board}\" }}\n[buses]\nline = {{ {bus} }}\n");
+    let found = read(&SourceFile::new("b.toml", text), &terminals).unwrap_err();
+    assert_eq!(found.len(), 1, "{found:?}");
+    found[0].help.clone()
+}
+
+#[test]
+fn a_key_of_another_bus_is_answered_by_what_this_one_has() {
+    for (board, bus, help) in [
+        ("simulated", "kind = \"can\", baud = 9600", "write `bitrate`"),
+        ("simulated", "kind = \"serial\", bitrate = 9600", "write `baud`"),
+        ("simulated", "kind = \"can\", message-gap = \"1 ms\"", "only a serial line"),
+        ("simulated", "kind = \"can\", delay = \"1 ms\"", "only a serial line"),
+        ("simulated", "kind = \"can\", sample-point = 0.8", "only a bus of a real board"),
+        ("simulated", "kind = \"serial\", path = \"/dev/ttyS0\"", "no device"),
+        (
+            "real",
+            "kind = \"serial\", path = \"/dev/ttyS0\", joins = \"other\"",
+            "only a bus of a simulated board",
+        ),
+        (
+            "real",
+            "kind = \"can\", interface = \"can0\", bitrate = 500_000, delay = \"1 s\"",
+            "only a bus of a simulated",
+        ),
+        ("real", "kind = \"serial\", path = \"/dev/ttyS0\", accept = [\"701\"]", "only a CAN bus"),
+    ] {
+        let found = help_of_bus(board, bus);
+        assert!(found.contains(help), "{bus}: {found}");
+    }
+}
+
 /// On real and on simulated boards, and for a real controller too; a bus has the number of its place.
 #[test]
 fn ports_are_bound_to_buses() {

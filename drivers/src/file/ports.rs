@@ -102,12 +102,10 @@ fn known_port<'a>(entry: &Entry, ports: &'a [SubjectPort], out: &mut Findings) -
     if found.is_none() {
         let message = format!("the controller has no port `{}`", entry.key);
         let known = ports.iter().flat_map(|port| &port.names).map(String::as_str);
+        let all: Vec<&str> = ports.iter().map(|port| port.names[0].as_str()).collect();
         let help = match suggest(&entry.key, known) {
-            Some(meant) => format!("did you mean `{meant}`?"),
-            None => {
-                let known: Vec<&str> = ports.iter().map(|port| port.names[0].as_str()).collect();
-                format!("it has {}", known.join(", "))
-            }
+            Some(meant) => format!("did you mean `{meant}`? it has {}", all.join(", ")),
+            None => format!("it has {}", all.join(", ")),
         };
         out.error(codes::PORT, entry.key_span.clone(), message, help);
     }

@@ -3,7 +3,7 @@
 use document::{Entry, Fields, Findings};
 use signal::{SerialSettings, Span};
 
-use super::buses::buses;
+use super::buses::{buses, misplaced};
 use super::codes;
 use super::devices::serial;
 use crate::BusId;
@@ -33,7 +33,7 @@ pub(super) fn read(fields: &Fields, out: &mut Findings) -> Vec<BusSpec> {
     let mut specs: Vec<BusSpec> = Vec::new();
     for (entry, fields) in buses(fields, out) {
         let is_serial = fields.text("kind") == Some("serial");
-        strange(&fields, if is_serial { SERIAL_KEYS } else { CAN_KEYS }, out);
+        misplaced(&fields, true, if is_serial { SERIAL_KEYS } else { CAN_KEYS }, out);
         if specs.len() >= MOST_BUSES {
             let message = format!("the board has more than {MOST_BUSES} buses");
             out.error(codes::TOO_MANY, entry.key_span.clone(), message, "remove buses");
@@ -58,11 +58,12 @@ pub(super) fn read(fields: &Fields, out: &mut Findings) -> Vec<BusSpec> {
     specs
 }
 
-/// Reports keys that belong to a device.
-fn strange(fields: &Fields, keys: &[&str], out: &mut Findings) {
-    for key in fields.table().entries.iter().filter(|key| !keys.contains(&key.key.as_str())) {
-        let message = format!("a simulated bus of this kind has no `{}`", key.key);
-        out.error(codes::BUS_KEY, key.key_span.clone(), message, "remove it: the bus is made, not found");
+/// Reports keys of `rs485` that are about a transceiver.
+fn transceiver(fields: &Fields, out: &mut Findings) {
+    for key in fields.table().entries.iter().filter(|key| !RS485_KEYS.contains(&key.key.as_str())) {
+        let message = format!("`rs485` of a simulated board has no `{}`", key.key);
+        let help = "remove it: a simulated line has no transceiver";
+        out.error(codes::BUS_KEY, key.key_span.clone(), message, help);
     }
 }
 
@@ -117,7 +118,7 @@ fn serial_end(
         serial::settings(fields, joined.map_or_else(SerialSettings::default, |(_, end)| end.settings));
     let medium = match fields.inner("rs485") {
         Some(inner) => {
-            strange(&inner, RS485_KEYS, out);
+            transceiver(&inner, out);
             SerialMedium::Rs485 { hears_itself: inner.boolean("hears-itself").unwrap_or(false) }
         }
         None => SerialMedium::Rs232,

@@ -20,7 +20,7 @@ pub(super) const READER: DeviceReader = DeviceReader {
 const KIND: &str = "can";
 
 /// The keys of a CAN bus on a real board.
-const KEYS: &[&str] = &[
+pub(in crate::file) const KEYS: &[&str] = &[
     "kind",
     "interface",
     "bitrate",
@@ -51,13 +51,7 @@ fn read(fields: &Fields, out: &mut Findings) -> Vec<CanBusSpec> {
 /// A CAN bus, `bus` its place among the buses. `None` where something is wrong with it.
 fn can(entry: &Entry, fields: &Fields, bus: BusId, out: &mut Findings) -> Option<CanBusSpec> {
     let before = out.errors();
-    for strange in fields.table().entries.iter().filter(|entry| !KEYS.contains(&entry.key.as_str())) {
-        // A key that no bus has was reported where the table was read.
-        if fields.entry(&strange.key).is_some() {
-            let message = format!("a CAN bus on a real board has no `{}`", strange.key);
-            out.error(codes::BUS_KEY, strange.key_span.clone(), message, "remove it");
-        }
-    }
+    buses::misplaced(fields, false, KEYS, out);
     let interface = interface(entry, fields, out);
     let bitrate = number(fields, "bitrate");
     if bitrate.is_none() && fields.get("bitrate").is_none() {

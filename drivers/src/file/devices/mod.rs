@@ -1,7 +1,7 @@
 //! The kinds of devices that a board file can describe: one entry each.
 
 mod adc;
-mod can;
+pub(super) mod can;
 pub(super) mod counter;
 mod generators;
 mod iio;

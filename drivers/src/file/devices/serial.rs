@@ -26,7 +26,7 @@ const LONGEST_DELAY: Span = Span::from_millis(100);
 const MILLISECOND: i64 = 1_000_000;
 
 /// The keys of a serial line.
-const KEYS: &[&str] = &[
+pub(in crate::file) const KEYS: &[&str] = &[
     "kind",
     "path",
     "baud",
@@ -53,14 +53,7 @@ fn read(fields: &Fields, out: &mut Findings) -> Vec<SerialSpec> {
 
 /// A serial line, `bus` its place among the buses. `None` where something is wrong with it.
 fn serial(entry: &Entry, fields: &Fields, bus: BusId, out: &mut Findings) -> Option<SerialSpec> {
-    for strange in fields.table().entries.iter().filter(|entry| !KEYS.contains(&entry.key.as_str())) {
-        // A key that no bus has was reported where the table was read.
-        if fields.entry(&strange.key).is_some() {
-            let message = format!("a serial line has no `{}`", strange.key);
-            let help = "remove it, or make the bus one of kind = \"can\"";
-            out.error(codes::BUS_KEY, strange.key_span.clone(), message, help);
-        }
-    }
+    buses::misplaced(fields, false, KEYS, out);
     let path = path(entry, fields, out)?;
     let line = settings(fields, SerialSettings::default());
     let message_gap = message_gap(fields, &line, out)?;
