@@ -37,9 +37,18 @@ fn files_that_are_not_there() {
     bench.refused(&["judge", "lmap.toml", "lamp.st"], &["lamp.st"]);
     bench.refused(&["program", "run", "lmap.st"], &["R0201", "lmap.st"]);
     bench.write_lamp("other.toml", "lamp.st", "missing.st");
-    bench.refused(&["test", "other.toml"], &["R0201", "missing.st", "other.toml"]);
+    bench.refused(
+        &["test", "other.toml"],
+        &["R0201", "missing.st", "other.toml:4:11", "relative to the plan"],
+    );
     bench.write_lamp("other.toml", "program =", "board = \"missing.toml\"\nprogram =");
-    bench.refused(&["test", "other.toml"], &["R0201", "missing.toml"]);
+    bench.refused(
+        &["test", "other.toml"],
+        &["R0201", "missing.toml", "other.toml:4:9", "relative to the plan"],
+    );
+    bench.write("board.toml", "format = 1\n[board]\nkind = \"simulated\"\n");
+    let run = bench.expect(2, &["run", "--board", "board.toml", "--program", "missing.st"]);
+    assert!(run.err.contains("R0201") && !run.err.contains("rig-run"), "{}", run.err);
     bench.write("empty/readme.txt", "");
     bench.refused(&["test", "empty"], &["empty holds no plan"]);
     // A folder in place of a file, and a file in place of a folder.

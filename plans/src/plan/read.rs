@@ -1,6 +1,7 @@
 //! A plan's text to a plan: what holds for all cases is read once, every case is checked and then made again
 //! when it is asked for, so that a plan of many cases needs no memory for them.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use document::{Data, Diagnostic, Entry, Findings, Joined, Node, SourceFile, Table};
@@ -110,6 +111,11 @@ impl Plan {
     /// Never: a plan that was found right has a case.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Where the value of a key of the plan stands, in the bytes of all its files; its beginning where it has none.
+    pub fn place_of(&self, key: &str) -> Range<usize> {
+        self.document.head.entry(key).map_or(0..0, |entry| entry.node.span.clone())
     }
 
     /// The case of this number from 0; `None` after the last.

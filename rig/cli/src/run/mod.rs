@@ -178,6 +178,10 @@ fn case(
         Some(name) if Disk.has(&path(name)) => (&Disk, name),
         Some(name) => (&ShippedFiles, name),
         None => {
+            // The plan is none of the user's: a file that is missing is an argument here.
+            for path in &args.program {
+                suite::load_program(&Disk, &path.to_string_lossy()).map_err(|found| vec![found])?;
+            }
             // A text of JSON is one of TOML.
             let names = args.program.iter().map(|path| Json::from(path.to_string_lossy()).to_string());
             let names: Vec<String> = names.collect();

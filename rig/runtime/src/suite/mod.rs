@@ -23,6 +23,7 @@ use plans::steps::Stimulus;
 use plans::{Case, Plan};
 use profile::{PortKind, Profile, Reference, SerialMedia};
 use signal::{Address, Area};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// The terminals of a board file's subject.
@@ -87,6 +88,13 @@ pub struct LoadedPlan {
     board_guards: Vec<Arc<GlobalChecks>>,
 }
 
+/// What is wrong with a file that a plan names, at the place where it names it.
+fn named_by(plan: &SourceFile, at: Range<usize>, found: Diagnostic) -> Diagnostic {
+    let is_unread = found.code == codes::FILE_NOT_READ;
+    let found = found.at(&plan.name, at, "");
+    if is_unread { found.help("the path is relative to the plan") } else { found }
+}
+
 /// Reads a plan and everything that it names.
 ///
 /// # Errors
@@ -124,7 +132,8 @@ pub fn load_plan(
         found.extend(missing_photos(files, path, &case));
         let brought =
             case.steps.iter().filter_map(|step| Some((step.stimulus.program()?, step.span.clone())));
-        for (program, at) in std::iter::once((&case.program, 0..0)).chain(brought) {
+        let own = (&case.program, loaded.plan.place_of("program"));
+        for (program, at) in std::iter::once(own).chain(brought) {
             let ProgramRef::Files(names) = program else { continue };
             for name in names {
                 let path = beside(path, name);
@@ -136,7 +145,7 @@ pub fn load_plan(
                         sources.push(source.clone());
                         loaded.programs.push(source);
                     }
-                    Err(error) => found.push(error.at(&file.name, at.clone(), "")),
+                    Err(error) => found.push(named_by(&file, at.clone(), error)),
                 }
             }
         }
@@ -150,7 +159,14 @@ pub fn load_plan(
                     board_guards.extend(guards_of(&board.name, &text)?);
                     loaded.boards.push((path, board, text));
                 }
-                Err(more) => found.extend(more),
+                Err(more) => {
+                    let at = || loaded.plan.place_of("board");
+                    let here = |one: Diagnostic| match one.labels.is_empty() {
+                        true => named_by(&file, at(), one),
+                        false => one,
+                    };
+                    found.extend(more.into_iter().map(here));
+                }
             }
         }
         if !found.is_empty() {
