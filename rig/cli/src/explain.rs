@@ -52,7 +52,7 @@ fn unknown(given: &str, code: &str, pages: &[CodePage<'_>]) -> Diagnostic {
 fn show(page: &CodePage<'_>) -> String {
     let mut text = format!("{}: {}\n", page.code, page.title);
     for paragraph in page.meaning.split("\n\n").filter(|paragraph| !paragraph.is_empty()) {
-        let _ = write!(text, "\n{}", wrap(paragraph));
+        let _ = write!(text, "\n{}", wrap(&plain(paragraph)));
     }
     let refused = if page.is_warning() { "This gives a warning" } else { "This is refused" };
     for example in &page.examples {
@@ -71,11 +71,12 @@ fn show(page: &CodePage<'_>) -> String {
 }
 
 /// Links of Markdown as words with the file after them: `[needs](plans/cases.md#needs)` is `needs
-/// (docs/plans/cases.md#needs)`.
+/// (docs/plans/cases.md#needs)`. Targets are relative to the table of codes, or to the pages of codes, a folder below.
 fn plain(text: &str) -> String {
     let mut plain = String::new();
     let mut rest = text;
     while let Some((before, words, target, after)) = link(rest) {
+        let target = target.strip_prefix("../").unwrap_or(target);
         let _ = write!(plain, "{before}{words} (docs/{target})");
         rest = after;
     }
@@ -120,6 +121,7 @@ mod tests {
             plain("Use [needs](plans/cases.md#needs); `a[1]` stays."),
             "Use needs (docs/plans/cases.md#needs); `a[1]` stays."
         );
+        assert_eq!(plain("as a [file](../boards/file.md) says"), "as a file (docs/boards/file.md) says");
         assert_eq!(plain("an `x](` alone"), "an `x](` alone");
     }
 
