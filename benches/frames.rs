@@ -81,6 +81,7 @@ fn point(number: u32) -> PointInfo {
         channel: Some(channel),
         image: Option::None,
         forcible: true,
+        writable: false,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Communication lines of a board: CAN buses and serial lines, what passes on them, and how they fare.
 
-use signal::{BusError, BusState, CanFrame, SerialMessage, Span, Time, When};
+use signal::{BusError, BusState, CanFrame, SerialMessage, SerialSettings, Span, Time, When};
 
 use crate::{LossReason, TimestampSource};
 
@@ -18,10 +18,10 @@ pub enum BusKind {
         /// Of the data of a frame with bit-rate switch; `None` for classic CAN.
         data_bitrate: Option<u32>,
     },
-    /// A serial line, with its speed in Bd.
+    /// A serial line.
     Serial {
-        /// Symbols a second.
-        baud: u32,
+        /// Its speed and how it carries bytes, as the board file has it.
+        settings: SerialSettings,
     },
 }
 
@@ -41,7 +41,7 @@ pub struct Bus {
 impl Bus {
     /// The place of a bus of which nothing is known here: it has no name.
     pub(crate) fn none() -> Bus {
-        let kind = BusKind::Serial { baud: 0 };
+        let kind = BusKind::Serial { settings: SerialSettings { baud: 0, ..SerialSettings::default() } };
         Bus { name: String::new(), kind, timestamp: TimestampSource::Virtual, resolution: Span::ZERO }
     }
 }

@@ -91,8 +91,8 @@ fn a_serial_line_is_what_its_board_file_says() {
     // On paper, the board has its buses on any machine.
     let outline = build(&board, 0).unwrap();
     let named: Vec<_> = outline.bus_list().iter().map(|bus| (bus.name.as_str(), bus.kind)).collect();
-    let serial = |baud| BusKind::Serial { baud };
-    assert_eq!(named, [("plain", serial(19_200)), ("modbus", serial(250_000))]);
+    let serial = |settings| BusKind::Serial { settings };
+    assert_eq!(named, [("plain", serial(plain.port.line)), ("modbus", serial(modbus.port.line))]);
 }
 
 #[test]

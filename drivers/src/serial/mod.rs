@@ -38,7 +38,7 @@ pub(crate) fn describe(lines: &[SerialSpec], buses: &mut Vec<Bus>) {
         let character = line.port.line.lasts(1);
         buses[at] = Bus {
             name: line.name.clone(),
-            kind: BusKind::Serial { baud: line.port.line.baud },
+            kind: BusKind::Serial { settings: line.port.line },
             // The kernel does not stamp bytes: they are there when they are read.
             timestamp: TimestampSource::Sampled { period: character },
             resolution: character,

@@ -28,7 +28,7 @@ impl SimulatedBuses {
                 }
                 BusSpecKind::Serial(end) => {
                     made.serial.push(bus, end, spec.joins);
-                    BusKind::Serial { baud: end.settings.baud }
+                    BusKind::Serial { settings: end.settings }
                 }
             };
             let (name, timestamp) = (spec.name.clone(), TimestampSource::Virtual);

@@ -27,6 +27,7 @@ fn point(name: &str, address: Option<&str>, variable: Option<&str>, kind: Signal
         }),
         image: address.map(str::to_owned),
         forcible: address.is_some() && kind == SignalKind::Bool,
+        writable: false,
     }
 }
 
@@ -96,8 +97,18 @@ pub fn description() -> Description {
             terminals: vec!["I0".to_owned(), "I1".to_owned()],
         }],
         buses: vec![
-            BusInfo { name: "can0".to_owned(), kind: "can".to_owned(), settings: "500 kbit/s".to_owned() },
-            BusInfo { name: "line".to_owned(), kind: "serial".to_owned(), settings: "19200 8E1".to_owned() },
+            BusInfo {
+                name: "can0".to_owned(),
+                kind: "can".to_owned(),
+                settings: "500 kbit/s".to_owned(),
+                ..BusInfo::default()
+            },
+            BusInfo {
+                name: "line".to_owned(),
+                kind: "serial".to_owned(),
+                settings: "19200 8E1".to_owned(),
+                ..BusInfo::default()
+            },
         ],
         devices: vec![
             DeviceInfo {

@@ -54,7 +54,7 @@ impl Traffic {
         let missed = if self.missed > 0 { format!(", {} missed", self.missed) } else { String::new() };
         match (self.lost, bus.kind) {
             (Some(reason), _) => format!("{}{missed}", loss(reason)),
-            (None, BusKind::Serial { baud }) => format!("held at {baud} Bd{missed}"),
+            (None, BusKind::Serial { settings }) => format!("held at {settings}{missed}"),
             (None, BusKind::Can { .. }) => {
                 format!("{}{missed}", self.state.map_or("no trouble", words))
             }

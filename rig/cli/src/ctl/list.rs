@@ -54,7 +54,12 @@ fn point(point: &PointInfo) -> Vec<String> {
     also.extend(point.address.clone());
     also.extend(point.variable.clone());
     also.extend(point.channel.as_ref().map(|line| line.name.clone()).filter(|name| *name != point.name));
-    let can = if point.forcible { "force" } else { "" };
+    let can = match (point.forcible, point.writable) {
+        (true, true) => "force, write",
+        (true, false) => "force",
+        (false, true) => "write",
+        (false, false) => "",
+    };
     vec![point.name.clone(), kind(point.kind, unit), way.to_owned(), can.to_owned(), also.join("  ")]
 }
 

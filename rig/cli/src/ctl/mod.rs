@@ -50,8 +50,14 @@ pub enum CtlCommand {
     /// Print values now.
     Read(values::ReadArgs),
     /// Write variables, places in memory or lines of the board.
+    ///
+    /// The line at an input, `I1`, is driven until it is written again. A bit of the image of the inputs, `%IX0.1`, is lost when
+    /// the next cycle reads them, one of the outputs, `%QX0.4`, when the program writes it. The line of an output, `Q4`, is the
+    /// controller's: force it.
     Write(values::WriteArgs),
     /// Force embedded inputs and outputs. They stay forced until they are released.
+    ///
+    /// The program reads the forced value of an input, whatever is on its line; an output has it, whatever the program writes.
     Force(values::ForceArgs),
     /// End forces.
     Release(values::ReleaseArgs),

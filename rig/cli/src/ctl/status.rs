@@ -153,7 +153,8 @@ pub fn describe(client: &mut ControlClient, args: &StatusArgs) -> Result<ExitSta
         );
     }
     for bus in &it.buses {
-        row("bus", format!("{}: {}, {}", bus.name, bus.kind, bus.settings));
+        let port = if bus.port.is_empty() { String::new() } else { format!(", at port {}", bus.port) };
+        row("bus", format!("{}: {}, {}{port}", bus.name, bus.kind, bus.settings));
     }
     for device in &it.devices {
         let path = if device.path.is_empty() { String::new() } else { format!(" at {}", device.path) };

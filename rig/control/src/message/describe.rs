@@ -118,6 +118,9 @@ pub struct PointInfo {
     pub image: Option<String>,
     /// Whether it can be forced.
     pub forcible: bool,
+    /// Whether its line can be written: a line that nothing of the rig drives.
+    #[serde(default)]
+    pub writable: bool,
 }
 
 /// A channel of the board.
@@ -197,14 +200,17 @@ pub struct FunctionInfo {
 }
 
 /// A bus.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BusInfo {
     /// Its name in the board file.
     pub name: String,
     /// `can`, `can-fd` or `serial`.
     pub kind: String,
-    /// Its speed and format in words, as in `500 kbit/s` or `19200 8E1`.
+    /// Its speed and format in words, as in `500 kbit/s` or `19200 Bd 8E1`.
     pub settings: String,
+    /// The port of the controller that is on it, as in `SL1`; empty where none is.
+    #[serde(default)]
+    pub port: String,
 }
 
 /// A device of the board.

@@ -408,7 +408,7 @@ mod tests {
             [lost, kept].map(|fault| fault.show(&[]).to_string())
         };
         assert_eq!(
-            said(BusKind::Serial { baud: 9_600 }),
+            said(BusKind::Serial { settings: signal::SerialSettings::default() }),
             [
                 "at least 2 messages of serial line b were lost by 1.000000000 s",
                 "what was to be sent on serial line b had not left by 1.000000000 s: its port, /dev/x, refuses it or stands still",

@@ -1,5 +1,6 @@
 //! What a rig reports of itself once: its points, tasks, functions, buses and devices.
 
+use super::directory::is_written;
 use crate::application::catalogue::Catalogue;
 use control::{
     BusInfo, ChannelInfo as OnBoard, DeviceInfo, FrameSeen, FunctionInfo, PointDirection, PointInfo,
@@ -70,6 +71,10 @@ pub fn points(
             drives: file.is_driven(id).unwrap_or(channel.drives),
         })
     };
+    let written = |id: ChannelId| {
+        let known = board.channels().get(usize::from(id.0));
+        known.is_some_and(|known| is_written(file, id, known))
+    };
     let terminal = |area: Area, letter: char, number: u32| {
         let address = Address::bit(area, number);
         PointInfo {
@@ -81,6 +86,7 @@ pub fn points(
             channel: file.channel_of(address).and_then(channel),
             image: Some(address.to_string()),
             forcible: area == Area::Input || !expert.contains(number as usize),
+            writable: file.channel_of(address).is_some_and(written),
         }
     };
     let inputs = (0..inputs).map(|number| terminal(Area::Input, 'I', number));
@@ -108,6 +114,7 @@ pub fn points(
             channel: channel(id),
             image: None,
             forcible: false,
+            writable: written(id),
         })
     });
     let loose: Vec<PointInfo> = loose.collect();
@@ -188,20 +195,22 @@ fn words(kind: &FunctionKind) -> &'static str {
     }
 }
 
-/// The buses of a board.
-pub fn buses(board: &dyn Board) -> Vec<BusInfo> {
+/// The buses of a board, with the ports that are on them.
+pub fn buses(board: &dyn Board, file: &BoardFile) -> Vec<BusInfo> {
     let kilobits = |rate: u32| format!("{} kbit/s", f64::from(rate) / 1_000.0);
-    let bus = |bus: &drivers::Bus| {
+    let bus = |(number, bus): (u16, &drivers::Bus)| {
         let (kind, settings) = match bus.kind {
             BusKind::Can { bitrate, data_bitrate: None } => ("can", kilobits(bitrate)),
             BusKind::Can { bitrate, data_bitrate: Some(data) } => {
                 ("can-fd", format!("{}, data {}", kilobits(bitrate), kilobits(data)))
             }
-            BusKind::Serial { baud } => ("serial", format!("{baud} baud")),
+            BusKind::Serial { settings } => ("serial", settings.to_string()),
         };
-        BusInfo { name: bus.name.clone(), kind: kind.into(), settings }
+        let port = file.ports.iter().find(|binding| binding.bus == BusId(number));
+        let port = port.map_or_else(String::new, |binding| binding.port.clone());
+        BusInfo { name: bus.name.clone(), kind: kind.into(), settings, port }
     };
-    board.bus_list().iter().map(bus).collect()
+    (0..).zip(board.bus_list()).map(bus).collect()
 }
 
 /// A frame as clients see it.
@@ -253,7 +262,7 @@ mod tests {
 
     #[test]
     fn serial_bytes_have_no_identifier_and_say_what_was_wrong_with_them() {
-        let bus = BusInfo { name: "modbus".into(), kind: "serial".into(), settings: "19200 baud".into() };
+        let bus = BusInfo { name: "modbus".into(), kind: "serial".into(), ..BusInfo::default() };
         let at = When::exactly(Time::from_nanos(7));
         let mut message = SerialMessage::of(at, at, &[0x01, 0xAF]);
         message.errors = SerialErrors { parity: 2, breaks: 1, ..SerialErrors::NONE };

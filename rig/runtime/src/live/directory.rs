@@ -42,6 +42,11 @@ pub struct Directory {
     listed: usize,
 }
 
+/// Whether a client may drive the line of a channel: the board can, and nothing of the rig does.
+pub(super) fn is_written(file: &BoardFile, id: ChannelId, channel: &Channel) -> bool {
+    channel.drives && file.is_driven(id) != Some(true)
+}
+
 /// A channel of the board.
 #[derive(Clone, Debug)]
 struct BoardLine {
@@ -71,7 +76,7 @@ impl Directory {
                     ChannelKind::Analog { .. } => SignalKind::Real,
                     ChannelKind::Count => SignalKind::Int,
                 },
-                drives: channel.drives && file.is_driven(id) != Some(true),
+                drives: is_written(file, id, channel),
                 terminal: bound.map(|binding| binding.address),
             }
         };

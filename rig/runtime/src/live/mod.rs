@@ -78,7 +78,7 @@ pub fn open(
         signals: directory.listed(),
         tasks,
         functions,
-        buses: describe::buses(board),
+        buses: describe::buses(board, file),
         devices: devices.list.clone(),
         on_disconnect: String::new(),
         load_limit: u32::try_from(OVERLOAD_PERCENT * 10).unwrap_or_default(),

@@ -3,8 +3,8 @@
 use super::describe::DeviceTable;
 use crate::scan_port::{BusCounts, LineCounts, Snapshot, counts};
 use control::{
-    BusStatus, Description, DeviceStatus, ForcedPoint, LedStatus as Lit, PointStatus, RigStatus, Status,
-    StatusWarning, TaskStatus, WireValue,
+    BusInfo, BusStatus, Description, DeviceStatus, ForcedPoint, LedStatus as Lit, PointStatus, RigStatus,
+    Status, StatusWarning, TaskStatus, WireValue,
 };
 use controller::{ForcedChannels, FrontPanel, JitterCounts, Led, LedPattern, TaskFigures};
 use drivers::BusState;
@@ -94,7 +94,7 @@ impl StatusSource {
                 .map(|channel| line(channel).map_or_else(Default::default, point))
                 .collect(),
             devices: self.devices(),
-            buses: now.buses.iter().map(bus).collect(),
+            buses: now.buses.iter().zip(&description.buses).map(|(counts, info)| bus(counts, info)).collect(),
             rig: RigStatus {
                 late_max: now.late.as_nanos(),
                 late_outputs: now.late_outputs.as_nanos(),
@@ -203,9 +203,11 @@ fn point(line: &LineCounts) -> PointStatus {
     PointStatus { rising: line.rising, falling: line.falling, lost: line.lost.is_some() }
 }
 
-fn bus(traffic: &BusCounts) -> BusStatus {
+fn bus(traffic: &BusCounts, info: &BusInfo) -> BusStatus {
     let state = match (traffic.lost, traffic.state) {
         (Some(_), _) => "lost",
+        // The other states are those of a CAN controller.
+        (None, _) if info.kind == "serial" => "open",
         (None, BusState::ErrorActive) => "error-active",
         (None, BusState::ErrorWarning) => "error-warning",
         (None, BusState::ErrorPassive) => "error-passive",

@@ -128,6 +128,7 @@ impl Rig for Fake {
             channel: None,
             image: Some("m5".into()),
             forcible: true,
+            writable: false,
         };
         Description { board: "fake".into(), clock, points: vec![point], ..Description::default() }
     }

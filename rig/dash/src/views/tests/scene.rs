@@ -64,11 +64,13 @@ fn description() -> Description {
             }),
             image: Some(address.to_owned()),
             forcible: true,
+            writable: false,
         };
     let bus = |name: &str, kind: &str, settings: &str| BusInfo {
         name: name.to_owned(),
         kind: kind.to_owned(),
         settings: settings.to_owned(),
+        ..BusInfo::default()
     };
     let function = |name: &str, kind: &str, facts: &[&str], terminals: &[&str]| FunctionInfo {
         name: name.to_owned(),
