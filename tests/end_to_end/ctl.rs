@@ -10,7 +10,8 @@ use std::time::{Duration, Instant};
 const PATIENCE: Duration = Duration::from_secs(60);
 
 const BOARD: &str = "format = 1\n[board]\nkind = \"simulated\"\n[channels]\nlevel = { kind = \"analog\", unit = \"V\" }\n\
-[buses]\nmachine = { kind = \"can\", bitrate = 250_000 }\n";
+[buses]\nmachine = { kind = \"can\", bitrate = 250_000 }\n\
+line = { kind = \"serial\", baud = 38_400, parity = \"none\" }\n[ports]\nSL1 = \"line\"\n";
 
 const PROGRAM: &str = "PROGRAM MAIN
 VAR
@@ -81,9 +82,30 @@ fn what_cannot_be_is_refused_before_anything_moves() {
     refused(&["write", "MAIN.count=40000"], &["R0603", "32767"]);
     refused(&["force", "MAIN.part=1"], &["R0605"]);
     refused(&["await", "state"], &["R0649", "state=RUNNING"]);
-    refused(&["watch", "nothing"], &["R0601"]);
+    refused(&["watch", "nothing"], &["R0601", "rig ctl list"]);
+    refused(&["frames", "machin"], &["R0601", "did you mean `machine`?", "its buses are machine, line"]);
     refused(&["release"], &["required"]);
     assert!(!stepped.expect(0, &["status"]).out.contains("forced"));
+}
+
+#[test]
+fn a_serial_line_has_its_settings_its_port_and_no_state_of_can() {
+    let (_bench, stepped) = rig();
+    let described = stepped.expect(0, &["describe"]).out;
+    assert!(described.contains("line: serial, 38400 Bd 8N1, at port SL1\n"), "{described}");
+    let status = stepped.expect(0, &["status"]).out;
+    assert!(status.contains("line: open,") && status.contains("machine: error-active,"), "{status}");
+}
+
+#[test]
+fn the_list_says_what_a_point_takes() {
+    let (_bench, stepped) = rig();
+    let listed = |name: &str| stepped.expect(0, &["list", name]).out;
+    assert!(listed("I0").contains("force, write"), "{}", listed("I0"));
+    assert!(listed("level").contains("  write"), "{}", listed("level"));
+    assert!(!listed("Q3").contains("write"), "{}", listed("Q3"));
+    stepped.expect(0, &["write", "I0=1", "level=2 V"]);
+    stepped.expect(2, &["write", "Q3=1"]);
 }
 
 #[test]
@@ -96,7 +118,7 @@ fn what_is_awaited_and_does_not_come_is_a_failure() {
 }
 
 #[test]
-fn every_change_is_reported_in_led_time() {
+fn every_change_is_reported_in_stepped_time() {
     let (_bench, stepped) = rig();
     let before: i64 = stepped.expect(0, &["read", "--plain", "MAIN.count"]).out.trim().parse().unwrap();
     let reported = stepped.expect(0, &["watch", "MAIN.count", "--csv", "--all", "--advance", "10s"]);

@@ -7,13 +7,19 @@ use super::watch::host;
 use crate::exit::ExitStatus;
 use crate::output;
 use clap::Args;
-use control::{ControlClient, FrameSeen, RequestOperation, Subscribed, SubscriptionEvent, Topic};
+use control::{
+    ControlClient, Description, FrameSeen, RequestOperation, Subscribed, SubscriptionEvent, Topic,
+};
+use document::Diagnostic;
 use serde_json::json;
 use signal::Span;
 use std::time::{Duration, Instant};
 
 /// How long the rig is waited for at once.
 const WAIT: Duration = Duration::from_secs(1);
+
+/// A name that the rig does not know.
+const UNKNOWN: &str = "R0601";
 
 /// Time is advanced in steps of so much.
 const PIECE: Span = Span::from_millis(100);
@@ -33,13 +39,35 @@ pub struct FramesArgs {
     /// End after so many frames.
     #[arg(long, value_name = "N")]
     count: Option<std::num::NonZeroU64>,
-    /// Lead the rig's time on by so much, and end then.
+    /// Advance the rig's time by so much, and end then.
     #[arg(long, value_name = "TIME", conflicts_with = "lasts", value_parser = crate::duration::above_zero)]
     advance: Option<Span>,
 }
 
+/// Refuses names that no bus of the rig has.
+fn known(client: &mut ControlClient, names: &[String]) -> Result<(), CtlError> {
+    if names.is_empty() {
+        return Ok(());
+    }
+    let described: Description = client.ask(RequestOperation::Describe)?;
+    let buses: Vec<&str> = described.buses.iter().map(|bus| bus.name.as_str()).collect();
+    let Some(name) = names.iter().find(|name| !buses.contains(&name.as_str())) else { return Ok(()) };
+    let all = match buses.is_empty() {
+        true => String::from("its board has no buses"),
+        false => format!("its buses are {}", buses.join(", ")),
+    };
+    let help = match document::suggest(name, buses.iter().copied()) {
+        Some(meant) => format!("did you mean `{meant}`? {all}"),
+        None => all,
+    };
+    let found = Diagnostic::error(UNKNOWN, format!("the rig has no bus `{name}`"));
+    output::findings(&[found.help(help)], &[]);
+    Err(CtlError::Exit(ExitStatus::UserFiles))
+}
+
 /// Prints frames.
 pub fn run(client: &mut ControlClient, args: &FramesArgs) -> Result<ExitStatus, CtlError> {
+    known(client, &args.buses)?;
     client.ask::<Subscribed>(RequestOperation::Subscribe { topic: Topic::Frames })?;
     let mut left = args.count.map(std::num::NonZeroU64::get);
     let mut take = |event: &SubscriptionEvent| match event {

@@ -142,11 +142,14 @@ fn figure(one: &Measured) -> String {
         Some((low, high)) if low.to_bits() == high.to_bits() => format!("{} {unit}", number(low)),
         Some((low, high)) => format!("{} .. {} {unit}", number(low), number(high)),
     };
-    let limit = |limit: Option<f64>| limit.map(number).unwrap_or_default();
-    format!("{} in {} .. {}", value.trim_end(), limit(one.low), limit(one.high))
-        .replace("  ", " ")
-        .trim_end()
-        .to_owned()
+    let limit = |limit: f64| format!("{} {unit}", number(limit)).trim_end().to_owned();
+    let value = value.trim_end();
+    match (one.low, one.high) {
+        (None, None) => value.to_owned(),
+        (Some(low), None) => format!("{value}, at least {}", limit(low)),
+        (None, Some(high)) => format!("{value}, at most {}", limit(high)),
+        (Some(low), Some(high)) => format!("{value} in {} .. {}", number(low), limit(high)),
+    }
 }
 
 #[cfg(test)]
@@ -203,7 +206,25 @@ mod tests {
         };
         assert_eq!(
             text_of_plan.shown(&verdict),
-            "  fail: b: dark\n  inconclusive: delay: 9.5 .. 10.5 ms in .. 10\nfail: lamp: it stayed dark\n"
+            "  fail: b: dark\n  inconclusive: delay: 9.5 .. 10.5 ms, at most 10 ms\nfail: lamp: it stayed dark\n"
         );
+    }
+
+    #[test]
+    fn a_measurement_has_the_limits_that_it_has() {
+        let shown = |low, high| {
+            figure(&Measured {
+                name: "delay".to_owned(),
+                value: Some((102_663_219.0, 102_663_219.0)),
+                low,
+                high,
+                unit: "ns".to_owned(),
+                verdict: "none".to_owned(),
+            })
+        };
+        assert_eq!(shown(None, None), "102.663219 ms");
+        assert_eq!(shown(Some(1e6), None), "102.663219 ms, at least 1 ms");
+        assert_eq!(shown(None, Some(2e8)), "102.663219 ms, at most 200 ms");
+        assert_eq!(shown(Some(1e6), Some(2e8)), "102.663219 ms in 1 ms .. 200 ms");
     }
 }

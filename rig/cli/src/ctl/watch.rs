@@ -40,7 +40,7 @@ pub struct CtlWatchArgs {
     /// End after so many changes.
     #[arg(long, value_name = "N")]
     count: Option<std::num::NonZeroU64>,
-    /// Lead the rig's time on by so much, and end then.
+    /// Advance the rig's time by so much, and end then.
     #[arg(long, value_name = "TIME", conflicts_with = "lasts", value_parser = crate::duration::above_zero)]
     advance: Option<Span>,
 }

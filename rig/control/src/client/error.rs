@@ -53,7 +53,9 @@ impl ClientError {
             ),
             ClientError::Unreachable(socket, kind) => {
                 let help = match kind {
-                    ErrorKind::NotFound => "start the rig, or name the socket that its first lines name",
+                    ErrorKind::NotFound => {
+                        "start the rig with `rig run`, or name the socket of one that runs: `rig ctl rigs` lists them"
+                    }
                     ErrorKind::ConnectionRefused => {
                         "its rig is gone without removing it: start the rig again, which takes the socket over"
                     }
@@ -62,7 +64,11 @@ impl ClientError {
                     }
                     _ => "see whether the rig runs, and whether this is its socket",
                 };
-                fault("R0642", format!("`{}` cannot be connected to: {kind}", socket.display()), help)
+                let why = match kind {
+                    ErrorKind::NotFound => String::from("there is no such socket"),
+                    kind => kind.to_string(),
+                };
+                fault("R0642", format!("`{}` cannot be connected to: {why}", socket.display()), help)
             }
             ClientError::NotARig(socket) => fault(
                 "R0643",

@@ -13,7 +13,7 @@ fn fault(code: &str, message: String, help: &str) -> RequestFault {
 pub fn unknown(name: &str, meant: Option<&str>) -> RequestFault {
     let help = match meant {
         Some(meant) => format!("did you mean `{meant}`?"),
-        None => String::from("`describe` lists the names; addresses such as %MW12 can be named besides"),
+        None => String::from("`rig ctl list` shows the names; addresses such as %MW12 can be named besides"),
     };
     fault(codes::UNKNOWN_TO_RIG, format!("unknown name `{name}`"), &help)
 }
@@ -29,7 +29,7 @@ pub fn unknown_address(name: &str, why: &str) -> RequestFault {
 
 /// Something that is only looked at.
 pub fn not_written(name: &str) -> RequestFault {
-    let help = "write a variable, a %M address, or a line of the board that nothing of the rig drives; force an output";
+    let help = "write a variable, a %M address, or a line of the board that nothing of the rig drives; an output is forced";
     fault(codes::CLIENT_CANNOT_WRITE, format!("`{name}` cannot be written"), help)
 }
 
@@ -106,13 +106,19 @@ pub const LED: &str = codes::REAL_LINES_NOT_STEPPED;
 
 /// A plan that cannot be run.
 pub fn plan(why: &str) -> RequestFault {
-    fault(codes::PLAN_NOT_RUN, format!("the plan cannot be run: {why}"), "`rig check` says more of it")
+    fault(
+        codes::PLAN_NOT_RUN,
+        format!("the plan cannot be run: {why}"),
+        "`rig ctl plans` lists those that there are, `rig check` says what is wrong with one",
+    )
 }
 
 /// A case that a plan does not have.
 pub fn no_case(name: &str, meant: Option<&str>) -> RequestFault {
-    let help = meant
-        .map_or_else(|| String::from("`plans` lists the cases"), |meant| format!("did you mean `{meant}`?"));
+    let help = meant.map_or_else(
+        || String::from("`rig ctl plans` lists the cases"),
+        |meant| format!("did you mean `{meant}`?"),
+    );
     fault(codes::PLAN_NOT_RUN, format!("there is no case `{name}`"), &help)
 }
 
