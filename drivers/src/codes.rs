@@ -31,7 +31,7 @@ document::codes! {
     CONVERTER_VALUE = "B0126", "A setting that the converter does not take";
     CONVERTER_MISSING = "B0127", "The machine has no such converter";
     CONVERTER_BUSY = "B0128", "A converter is held by somebody else";
-    CONVERTER_REFUSED = "B0129", "A converter does not do what it is told";
+    CONVERTER_REFUSED = "B0129", "A converter does not take its settings";
     IIO_MISSING = "B0130", "The machine has no such industrial I/O device";
     IIO_ALIKE = "B0131", "Several industrial I/O devices answer to this";
     IIO_INPUT = "B0132", "The device has no such input";
@@ -106,7 +106,7 @@ document::codes! {
     GENERATORS_ALIKE = "B0231", "Several generators of the machine answer to this";
     GENERATOR_BUSY = "B0232", "A generator is held by somebody else";
     GENERATOR_ACCESS = "B0233", "The rig may not use a generator";
-    GENERATOR_REFUSED = "B0234", "A generator does not do what it is told";
+    GENERATOR_REFUSED = "B0234", "A generator does not take its settings";
     STREAM_BUFFER = "B0235", "The kernel takes less at once than a stream needs";
     STREAM_CLOCK = "B0236", "A bus does not keep the clock of its stream";
     FREQUENCY = "B0240", "A frequency that a line cannot have";

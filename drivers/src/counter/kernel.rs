@@ -259,7 +259,7 @@ fn events(
         return Ok((None, 0));
     }
     let Some(node) = &device.node else {
-        let message = format!("{} tells no events: it has no node in /dev", named(device));
+        let message = format!("{} reports no events: it has no node in /dev", named(device));
         return Err(Refusal::new(codes::COUNTER_SETTING, message, "remove `events`"));
     };
     let size = device.folder.join("events_queue_size");

@@ -373,7 +373,7 @@ pub(super) const WIRE: &[KeySpec] = &[
     KeySpec::required("to", NAME, "The channel that it drives"),
     KeySpec::optional("delay", KeyType::Duration, "How much later each change arrives"),
     KeySpec::optional("invert", KeyType::Bool, "Whether it drives the opposite level"),
-    KeySpec::optional("bounce", KeyType::Table(BOUNCE), "Further edges behind each change"),
+    KeySpec::optional("bounce", KeyType::Table(BOUNCE), "Further edges after each change"),
 ];
 
 pub(super) const BOUNCE: &[KeySpec] = &[

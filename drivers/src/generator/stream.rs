@@ -67,7 +67,7 @@ impl Stream {
         let path = spec.path.display();
         let mut spi = look(spec)?;
         let refused = |what: &str, error: &io::Error| {
-            let help = "`dmesg` tells what the controller's driver says; look at `mode`, `lsb-first`, `clock` and \
+            let help = "`dmesg` shows what the controller's driver says; look at `mode`, `lsb-first`, `clock` and \
                         `buffer`";
             Refusal::new(codes::GENERATOR_REFUSED, format!("{path} does not take {what}: {error}"), help)
         };

@@ -298,7 +298,7 @@ impl Search<'_> {
             let help = match line.consumer {
                 Some(_) => "end that program or driver, or take another line",
                 None => {
-                    "unbind that driver (`gpioinfo` and /sys/kernel/debug/gpio tell more), or take another line"
+                    "unbind that driver (`gpioinfo` and /sys/kernel/debug/gpio show more), or take another line"
                 }
             };
             self.error(codes::BUSY, named.place.clone(), message, help);

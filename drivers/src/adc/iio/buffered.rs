@@ -61,7 +61,7 @@ impl BufferedAdc {
             Refusal::new(codes::IIO_BUFFER, format!("{} {what}", named(device)), help)
         };
         if !device.buffered {
-            return Err(without("has no buffer that tells instants"));
+            return Err(without("has no buffer that stamps its samples"));
         }
         let stamp = line(&device.folder.join("scan_elements/in_timestamp_type"));
         let stamp = Element::parse(&stamp).ok_or_else(|| without("has stamps that cannot be read"))?;

@@ -68,7 +68,7 @@ pub(in crate::file) const KEYS: &[KeySpec] = &[
             "change-of-state",
             "capture",
         ])),
-        "What it tells by itself, with the kernel's stamps; nothing if left out",
+        "What it reports by itself, with the kernel's stamps; nothing if left out",
     ),
     KeySpec::optional(
         "buffer",
@@ -286,7 +286,7 @@ fn counter(entry: &Entry, fields: &Fields, out: &mut Findings) -> Option<Counter
         out.error(
             codes::COUNTER_VALUE,
             buffer.key_span.clone(),
-            "a counter that tells nothing by itself has no `buffer`",
+            "a counter that reports nothing by itself has no `buffer`",
             help,
         );
         return None;

@@ -261,7 +261,10 @@ fn wired(entry: &Entry, channel: ChannelId, is_stream: bool, bench: &Bench, out:
     let (message, help) = if is_stream && (is_line || !external && of_model(Area::Output)) {
         ("a stream of an SPI bus keeps no level", "bind it to a GPIO line or to an output of a PWM chip")
     } else if !is_stream && bench.file.is_driven(channel) == Some(false) {
-        ("an output of a PWM chip tells nothing", "bind it to a channel that is sensed, such as a GPIO line")
+        (
+            "an output of a PWM chip reports no level",
+            "bind it to a channel that is sensed, such as a GPIO line",
+        )
     } else {
         return true;
     };

@@ -156,7 +156,7 @@ impl<'a> Wanted<'a> {
                 Refusal::new(codes::GENERATOR_ACCESS, message, help)
             }
             _ => {
-                let help = "`dmesg` tells what its driver says; a chip that cannot turn its outputs over takes no \
+                let help = "`dmesg` shows what its driver says; a chip that cannot turn its outputs over takes no \
                             `active-low` and no `safe = true`";
                 Refusal::new(codes::GENERATOR_REFUSED, message, help)
             }
