@@ -34,7 +34,8 @@ fn files_that_are_not_there() {
     bench.refused(&["test", "lmap.toml"], &["R0201", "lmap.toml"]);
     bench.refused(&["test", "lamp.toml", "--board", "bench.toml"], &["R0201", "bench.toml"]);
     bench.refused(&["check", "lmap.toml"], &["R0201", "lmap.toml"]);
-    bench.refused(&["judge", "lmap.toml", "lamp.st"], &["lamp.st"]);
+    bench.refused(&["judge", "lmap.toml", "lamp.st"], &["R0204", "lamp.st"]);
+    bench.refused(&["judge", "lamp.toml", "none.trace"], &["R0201", "none.trace", "help"]);
     bench.refused(&["program", "run", "lmap.st"], &["R0201", "lmap.st"]);
     bench.write_lamp("other.toml", "lamp.st", "missing.st");
     bench.refused(
@@ -50,7 +51,7 @@ fn files_that_are_not_there() {
     let run = bench.expect(2, &["run", "--board", "board.toml", "--program", "missing.st"]);
     assert!(run.err.contains("R0201") && !run.err.contains("rig-run"), "{}", run.err);
     bench.write("empty/readme.txt", "");
-    bench.refused(&["test", "empty"], &["empty holds no plan"]);
+    bench.refused(&["test", "empty"], &["R0230", "empty holds no plan"]);
     // A folder in place of a file, and a file in place of a folder.
     bench.refused(&["test", "lamp.toml", "--board", "empty"], &["R0201", "empty"]);
     bench.refused(&["test", "lamp.toml", "--report", "lamp.st"], &["lamp.st"]);
@@ -95,9 +96,12 @@ fn signals_that_the_bench_does_not_have() {
 #[test]
 fn selections_of_nothing() {
     let bench = TestProject::new();
-    bench.refused(&["test", "lamp.toml", "--only", "nothing"], &["no case is selected"]);
-    bench.refused(&["test", "lamp.toml", "--only", "nothing", "--list"], &["no case is selected"]);
-    bench.refused(&["test", "lamp.toml", "--only", "(lamp"], &["never closed", "character 1"]);
+    bench.refused(&["test", "lamp.toml", "--only", "nothing"], &["R0228", "no case is selected", "--list"]);
+    bench.refused(
+        &["test", "lamp.toml", "--only", "nothing", "--list"],
+        &["R0228", "no case is selected", "--list"],
+    );
+    bench.refused(&["test", "lamp.toml", "--only", "(lamp"], &["R0227", "never closed", "character 1"]);
     bench.refused(&["test", "lamp.toml", "--only", "lamp and"], &["character 9"]);
     bench.refused(&["test", "lamp.toml", "--only", "colour:red"], &["unknown kind"]);
     bench.refused(&["test", "lamp.toml", "--only", ""], &["--only"]);
@@ -119,13 +123,16 @@ fn parameters_that_no_plan_has() {
         &(crate::project_folder::LAMP.replace("\"500 ms .. 550 ms\"", "\"$limit\"")
             + "[parameters]\nlimit = \"500 ms .. 550 ms\"\n"),
     );
-    bench.refused(&["test", "limit.toml", "--param", "limit"], &["NAME=VALUE"]);
+    bench.refused(&["test", "limit.toml", "--param", "limit"], &["R0229", "NAME=VALUE"]);
     bench.refused(&["test", "limit.toml", "--param", "lmit=1 s"], &["`lmit`", "did you mean `limit`?"]);
     bench.refused(
         &["test", "limit.toml", "--param", "limit=1 s", "--param", "limit=2 s"],
         &["a value already"],
     );
-    bench.refused(&["test", "lamp.toml", "--param", "limit=1 s"], &["no plan has a parameter `limit`"]);
+    bench.refused(
+        &["test", "lamp.toml", "--param", "limit=1 s"],
+        &["R0229", "no plan has a parameter `limit`"],
+    );
     bench.refused(&["test", "--param", "limit=1 s"], &["no plan has a parameter `limit`"]);
     // A value that does not fit is shown where it is used.
     bench.refused(

@@ -74,6 +74,7 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("R0223", "a board file beside the plan"),
     ("R0224", "real lines"),
     ("R0226", "a variable of the environment"),
+    ("R0230", "a folder beside the plan"),
     ("R0240", "a machine without lines"),
     ("R0241", "a chip that may not be opened"),
     ("R0242", "a machine with lines"),

@@ -1,6 +1,7 @@
 //! What goes to the terminal.
 
 use crate::code_pages;
+use crate::exit::ExitStatus;
 use clap::ValueEnum;
 use control::RequestFault;
 use document::{Diagnostic, SourceFile};
@@ -90,6 +91,12 @@ pub fn new_findings(found: &[Diagnostic], shown: &mut Vec<Diagnostic>, sources: 
     let new: Vec<Diagnostic> = found.iter().filter(|one| !shown.contains(one)).cloned().collect();
     findings(&new, sources);
     shown.extend(new);
+}
+
+/// Prints what is wrong with the arguments, and returns how the command ends.
+pub fn refuse(code: &'static str, message: impl Into<String>, help: &str) -> ExitStatus {
+    findings(&[Diagnostic::error(code, message).help(help)], &[]);
+    ExitStatus::UserFiles
 }
 
 /// Prints why a rig did not do what it was asked for, on standard error. A newer rig may have codes without a page.

@@ -1,11 +1,11 @@
 //! `rig bench counts`.
 
 use super::loopback_pair::LoopbackPairArgs;
-use super::{INTERRUPT, board, interrupted, keep, measured, refuse};
+use super::{INTERRUPT, board, interrupted, keep, measured};
 use crate::bench_lock::BenchLockArgs;
 use crate::exit::ExitStatus;
-use crate::output;
 use crate::output::OutputFormat;
+use crate::output::{self, refuse};
 use clap::Args;
 use document::Diagnostic;
 use drivers::Board;

@@ -1,9 +1,9 @@
 //! `rig bench latency`.
 
-use super::{INTERRUPT, board, interrupted, interval, keep, measured, refuse, show};
+use super::{INTERRUPT, board, interrupted, interval, keep, measured, show};
 use crate::exit::ExitStatus;
-use crate::output;
 use crate::output::OutputFormat;
+use crate::output::{self, refuse};
 use clap::Args;
 use host::{Bell, Privilege, Processors, Punctual, Realtime, ThreadRole, Wakeups, wakeups};
 use record::Durations;

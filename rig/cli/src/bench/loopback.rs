@@ -1,11 +1,11 @@
 //! `rig bench loopback`.
 
 use super::loopback_pair::LoopbackPairArgs;
-use super::{INTERRUPT, board, interrupted, keep, measured, refuse, show};
+use super::{INTERRUPT, board, interrupted, keep, measured, show};
 use crate::bench_lock::BenchLockArgs;
 use crate::exit::ExitStatus;
-use crate::output;
 use crate::output::OutputFormat;
+use crate::output::{self, refuse};
 use clap::Args;
 use record::Durations;
 use runtime::instrument::figures::{devices, durations};

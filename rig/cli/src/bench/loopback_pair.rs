@@ -1,7 +1,7 @@
 //! Which loop of a board is measured.
 
-use super::refuse;
 use crate::exit::ExitStatus;
+use crate::output::refuse;
 use clap::Args;
 use drivers::{BoardFile, ChannelId, LoopbackPair};
 use std::path::Path;

@@ -9,7 +9,7 @@ mod scan;
 mod show;
 
 use crate::exit::ExitStatus;
-use crate::output;
+use crate::output::{self, refuse};
 use clap::Subcommand;
 use counts::CountsArgs;
 use document::Diagnostic;
@@ -51,12 +51,6 @@ pub fn run(command: &BenchCommand) -> ExitStatus {
         BenchCommand::Loopback(args) => loopback::run(args),
         BenchCommand::Counts(args) => counts::run(args),
     }
-}
-
-/// Something wrong with the arguments.
-fn refuse(code: &'static str, message: String, help: &str) -> ExitStatus {
-    output::findings(&[Diagnostic::error(code, message).help(help)], &[]);
-    ExitStatus::UserFiles
 }
 
 /// The longest time between two wake-ups: more than any task of a controller has.

@@ -1,11 +1,11 @@
 //! `rig bench scan`.
 
 use super::loopback::failed;
-use super::{INTERRUPT, board, interrupted, interval, keep, measured, refuse, show};
+use super::{INTERRUPT, board, interrupted, interval, keep, measured, show};
 use crate::bench_lock::BenchLockArgs;
 use crate::exit::ExitStatus;
-use crate::output;
 use crate::output::OutputFormat;
+use crate::output::{self, refuse};
 use clap::Args;
 use drivers::{Board, ChannelId};
 use profile::Profile;

@@ -69,6 +69,9 @@ impl CaptureArgs {
     }
 }
 
+/// A trace that cannot be judged as it is given.
+const NOT_JUDGED: &str = "R0204";
+
 /// Judges a recorded trace again.
 pub fn run(args: &JudgeArgs) -> ExitStatus {
     try_run(args).unwrap_or_else(|exit| exit)
@@ -76,11 +79,10 @@ pub fn run(args: &JudgeArgs) -> ExitStatus {
 
 fn try_run(args: &JudgeArgs) -> Result<ExitStatus, ExitStatus> {
     let path = args.trace.display();
-    let refuse = |what: String| {
-        output::error(&what);
-        ExitStatus::UserFiles
+    let unreadable = |error: std::io::Error| {
+        let help = "name a trace of a case, as reports keep them below `traces`, or a capture";
+        output::refuse("R0201", format!("`{path}` cannot be read: {error}"), help)
     };
-    let unreadable = |error: std::io::Error| refuse(format!("{path} cannot be read: {error}"));
     let mut file = File::open(&args.trace).map_err(unreadable)?;
     let mut head = Vec::new();
     (&mut file).take(64).read_to_end(&mut head).map_err(unreadable)?;
@@ -89,11 +91,15 @@ fn try_run(args: &JudgeArgs) -> Result<ExitStatus, ExitStatus> {
         Some(format) => foreign::judge(args, format, &mut sources),
         None => {
             file.rewind().map_err(unreadable)?;
-            let trace = load(file).map_err(|why| refuse(format!("{path} is not a complete trace: {why}")))?;
+            let trace = load(file).map_err(|why| {
+                let help = "take a trace as the rig wrote it, or a capture: a VCD, CSV or sigrok file";
+                output::refuse(NOT_JUDGED, format!("{path} is not a complete trace: {why}"), help)
+            })?;
             if args.capture.is_given() {
                 let what =
                     format!("{path} is a trace of the rig's own, which says its case, signals and instants");
-                return Err(refuse(what));
+                let help = "leave out what describes a capture: --case, --map, --start, --at, --period, --board, --param";
+                return Err(output::refuse(NOT_JUDGED, what, help));
             }
             own(&args.plan, &trace, &mut sources)
         }

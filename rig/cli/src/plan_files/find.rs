@@ -14,8 +14,12 @@ pub fn find(paths: &[PathBuf]) -> Result<Vec<String>, ExitStatus> {
             let before = found.len();
             search(path, 0, &mut found);
             if found.len() == before {
-                output::error(&format!("{} holds no plan", path.display()));
-                return Err(ExitStatus::UserFiles);
+                let message = format!("{} holds no plan", path.display());
+                return Err(output::refuse(
+                    "R0230",
+                    message,
+                    "a plan is a file NAME.toml that begins with `format = 1`",
+                ));
             }
         } else {
             found.push(tidy(path));

@@ -5,6 +5,9 @@ use crate::output;
 use document::suggest;
 use runtime::suite::{self, FileSource};
 
+/// A parameter that cannot be given.
+const PARAMETER: &str = "R0229";
+
 /// What the command line gives.
 #[derive(Debug)]
 pub struct Parameters {
@@ -21,12 +24,12 @@ impl Parameters {
         let mut read: Vec<(String, String)> = Vec::new();
         for text in given {
             let Some((name, value)) = text.split_once('=') else {
-                output::error(&format!("--param {text}: write it as NAME=VALUE"));
-                return Err(ExitStatus::UserFiles);
+                let message = format!("--param {text}: this gives no parameter a value");
+                return Err(output::refuse(PARAMETER, message, "write it as NAME=VALUE"));
             };
             if read.iter().any(|(known, _)| known == name) {
-                output::error(&format!("--param {text}: `{name}` has a value already"));
-                return Err(ExitStatus::UserFiles);
+                let message = format!("--param {text}: `{name}` has a value already");
+                return Err(output::refuse(PARAMETER, message, "leave one of the two out"));
             }
             read.push((name.to_owned(), value.to_owned()));
         }
@@ -54,10 +57,14 @@ impl Parameters {
         let missing = self.given.iter().find(|(name, _)| !self.known.contains(name));
         match missing {
             Some((name, _)) if !self.unread => {
-                let hint = suggest(name, self.known.iter().map(String::as_str));
-                let hint = hint.map_or_else(String::new, |meant| format!(": did you mean `{meant}`?"));
-                output::error(&format!("no plan has a parameter `{name}`{hint}"));
-                Err(ExitStatus::UserFiles)
+                let help = match suggest(name, self.known.iter().map(String::as_str)) {
+                    Some(meant) => format!("did you mean `{meant}`?"),
+                    None if self.known.is_empty() => {
+                        String::from("these plans have none: `[parameters]` names them")
+                    }
+                    None => format!("there are {}", self.known.join(", ")),
+                };
+                Err(output::refuse(PARAMETER, format!("no plan has a parameter `{name}`"), &help))
             }
             _ => Ok(()),
         }

@@ -1,10 +1,10 @@
 //! `rig program bench`.
 
 use super::args::ProgramBenchArgs;
-use super::{compile, ended, refuse};
+use super::{compile, ended};
 use crate::exit::ExitStatus;
-use crate::output;
 use crate::output::OutputFormat;
+use crate::output::{self, refuse};
 use profile::Profile;
 use runtime::instrument::standalone::{StandaloneRun, StandaloneTask};
 use serde_json::json;

@@ -9,7 +9,7 @@ mod run;
 pub use args::ProgramCommand;
 
 use crate::exit::ExitStatus;
-use crate::output;
+use crate::output::{self, refuse};
 use document::{Diagnostic, SourceFile};
 use profile::Profile;
 use program::Program;
@@ -62,12 +62,6 @@ fn compile_with(
             Err(ExitStatus::UserFiles)
         }
     }
-}
-
-/// Something wrong with the arguments.
-fn refuse(code: &'static str, message: String, help: &str) -> ExitStatus {
-    output::findings(&[Diagnostic::error(code, message).help(help)], &[]);
-    ExitStatus::UserFiles
 }
 
 /// A duration above 0 that an option gives.

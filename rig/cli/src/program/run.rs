@@ -1,10 +1,10 @@
 //! `rig program run`.
 
 use super::args::ProgramRunArgs;
-use super::{compile, duration, ended, refuse};
+use super::{compile, duration, ended};
 use crate::exit::ExitStatus;
-use crate::output;
 use crate::output::OutputFormat;
+use crate::output::{self, refuse};
 use profile::Profile;
 use program::{Elementary, Program, SetError, ShownVariable};
 use reports::text;

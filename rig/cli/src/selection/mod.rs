@@ -11,6 +11,8 @@
 
 pub mod shard;
 
+use crate::exit::ExitStatus;
+use crate::output;
 use runtime::suite::Job;
 use std::fmt;
 
@@ -96,6 +98,20 @@ impl Selection {
             None => Ok(selection),
             Some(token) => Err(SelectionError { at: token.at, message: "a word or an end is expected here" }),
         }
+    }
+
+    /// As [`Selection::parse`], of what the command line gives.
+    ///
+    /// # Errors
+    /// How the command ends; why is printed.
+    pub fn of(text: &str) -> Result<Selection, ExitStatus> {
+        Selection::parse(text).map_err(|error| {
+            output::refuse(
+                "R0227",
+                format!("--only {text}: {error}"),
+                "as in `lamp`, `tag:slow and not motor`, `proves:io:DI-*`",
+            )
+        })
     }
 
     /// Whether a case is selected.

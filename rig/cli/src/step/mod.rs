@@ -79,10 +79,7 @@ fn try_run(args: &StepArgs) -> Result<ExitStatus, ExitStatus> {
 fn choose<'a>(args: &StepArgs, loaded: &'a [LoadedPlan]) -> Result<(&'a LoadedPlan, Job), ExitStatus> {
     let selection = match &args.only {
         None => Selection::All,
-        Some(expression) => Selection::parse(expression).map_err(|error| {
-            output::error(&format!("--only {expression}: {error}"));
-            ExitStatus::UserFiles
-        })?,
+        Some(expression) => Selection::of(expression)?,
     };
     let jobs = loaded.iter().enumerate().flat_map(|(place, plan)| plan.jobs(place, args.seed, 1));
     let mut jobs: Vec<Job> = jobs.filter(|job| selection.matches(&CaseFacts::of(job))).collect();

@@ -16,10 +16,7 @@ const MOST_CASES: u64 = 10 * record::MAX_CASES as u64;
 pub fn choose(args: &TestArgs, loaded: &[LoadedPlan]) -> Result<Vec<Job>, ExitStatus> {
     let selection = match &args.only {
         None => Selection::All,
-        Some(expression) => Selection::parse(expression).map_err(|error| {
-            output::error(&format!("--only {expression}: {error}"));
-            ExitStatus::UserFiles
-        })?,
+        Some(expression) => Selection::of(expression)?,
     };
     // Those that are looked through, and those that run: each within what the memory and a record hold.
     let all: u64 = loaded.iter().map(|plan| plan.plan.turns()).sum();
@@ -32,8 +29,8 @@ pub fn choose(args: &TestArgs, loaded: &[LoadedPlan]) -> Result<Vec<Job>, ExitSt
         jobs.extend(all.filter(|job| selection.matches(&CaseFacts::of(job))));
     }
     if jobs.is_empty() {
-        output::error("no case is selected");
-        return Err(ExitStatus::UserFiles);
+        let help = "`rig test --list` with the same files and without --only prints the names that there are";
+        return Err(output::refuse("R0228", "no case is selected", help));
     }
     if jobs.len() > record::MAX_CASES {
         return Err(too_many());
