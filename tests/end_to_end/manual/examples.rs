@@ -67,7 +67,6 @@ fn bench() -> TestProject {
     for name in ["bench.st", "other.st", "tasks.st", "counter.st", "machine.dbc", "bench.toml"] {
         bench.write(name, &read(name));
     }
-    bench.write("buses.toml", &read("bench.toml"));
     bench.write("door.png", "");
     let sequences = manual().iter().flat_map(|page| page.blocks()).find(|block| block.language == "csv");
     bench.write("drive.csv", &sequences.unwrap().text);
