@@ -10,7 +10,7 @@ use serde_json::Value as Json;
 #[derive(Debug, Args)]
 pub struct SchemaArgs {
     /// The kind of file.
-    #[arg(value_enum)]
+    #[arg(value_enum, value_name = "FORMAT")]
     of: SchemaFormat,
 }
 

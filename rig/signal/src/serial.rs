@@ -75,7 +75,7 @@ impl SerialSettings {
         if nanos > i64::MAX as u128 { Span::MAX } else { Span::from_nanos(nanos as i64) }
     }
 
-    /// The silence that ends a frame of Modbus RTU: 3.5 characters, from 19200 Bd on 1.75 ms
+    /// The silence that ends a frame of Modbus RTU: 3.5 characters, above 19200 Bd 1.75 ms
     /// (Modbus over serial line V1.02, 2.5.1.1).
     pub const fn frame_gap(&self) -> Span {
         if self.baud > FIXED_ABOVE { Span::from_micros(1_750) } else { self.tenths(35) }
