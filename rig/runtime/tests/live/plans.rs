@@ -83,7 +83,7 @@ fn what_is_no_plan_is_refused_and_the_controller_goes_on() {
         let fault = bench.order(RigOrder::Plan("none".into())).unwrap_err();
         assert!(fault.code == "R0610" && fault.message.contains("R0201"), "{fault:?}");
         let fault = bench.order(RigOrder::Plan("press[fast]".into())).unwrap_err();
-        assert_eq!((fault.code.as_str(), fault.help.as_str()), ("R0610", "`plans` lists the cases"));
+        assert_eq!((fault.code.as_str(), fault.help.as_str()), ("R0610", "`rig ctl plans` lists the cases"));
         assert_eq!(bench.read("MAIN.count"), Value::Int(50));
     });
 }
