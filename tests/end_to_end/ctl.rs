@@ -83,7 +83,10 @@ fn what_cannot_be_is_refused_before_anything_moves() {
     refused(&["force", "MAIN.part=1"], &["R0605"]);
     refused(&["await", "state"], &["R0649", "state=RUNNING"]);
     refused(&["watch", "nothing"], &["R0601", "rig ctl list"]);
-    refused(&["frames", "machin"], &["R0601", "did you mean `machine`?", "its buses are machine, line"]);
+    refused(
+        &["frames", "machin", "--for", "10ms"],
+        &["R0601", "did you mean `machine`?", "its buses are machine, line"],
+    );
     refused(&["release"], &["required"]);
     assert!(!stepped.expect(0, &["status"]).out.contains("forced"));
 }
