@@ -34,7 +34,9 @@ pub fn start() {
 
 /// The filter that a text means.
 fn filter(text: &str) -> Result<Targets, String> {
-    for directive in text.split(',').map(str::trim) {
+    let directives: Vec<&str> = text.split(',').map(str::trim).collect();
+    for directive in &directives {
+        let directive = *directive;
         // The library takes a word that is no level for a part of which everything is wanted, and would log nothing.
         let part = directive.split_once('=').map_or(directive, |(part, _)| part);
         // An empty word would be read as a level.
@@ -43,7 +45,8 @@ fn filter(text: &str) -> Result<Targets, String> {
             return Err(format!("`{part}` is neither a level nor a part of the rig"));
         }
     }
-    text.parse().map_err(|_| format!("`{text}` has a level that there is not"))
+    // Without the blanks, which the library takes for a part of the words.
+    directives.join(",").parse().map_err(|_| format!("`{text}` has a level that there is not"))
 }
 
 #[cfg(test)]
@@ -57,6 +60,8 @@ mod tests {
         let parts = filter("scanrig_drivers=debug, scanrig_services=info").unwrap();
         assert!(parts.would_enable("scanrig_drivers::thread", &tracing::Level::DEBUG));
         assert!(!parts.would_enable("scanrig_services::control", &tracing::Level::DEBUG));
+        assert!(parts.would_enable("scanrig_services::control", &tracing::Level::INFO));
+        assert_eq!(filter(" debug\n").unwrap().default_level(), Some(LevelFilter::DEBUG));
         for slip in ["debgu", "drivers=debug", "scanrig_drivers=debgu", "debug,", "=", "info,debgu=info"] {
             assert!(filter(slip).is_err(), "{slip}");
         }
