@@ -23,7 +23,8 @@ pub enum FileKind {
 pub fn of(text: &str) -> FileKind {
     let mut counts = KeyCounts::default();
     let mut top = true;
-    for line in text.lines() {
+    // What some editors put before the first line is no part of a key.
+    for line in text.trim_start_matches('\u{feff}').lines() {
         let line = line.trim_end();
         if let Some(header) = line.trim_start().strip_prefix('[') {
             // A list that goes on over lines begins a line with a bracket, too, but closes no name with one.
@@ -105,6 +106,7 @@ mod tests {
         assert_eq!(of("program = \"a.st\"\nexpect = [\n  { x = 1 },\n]\n"), FileKind::Plan);
         assert_eq!(of("format = 1\n[board]\nkind = \"simulated\"\n"), FileKind::Board);
         assert_eq!(of("format = 1\nboard = { kind = \"simulated\" }\n"), FileKind::Board);
+        assert_eq!(of("\u{feff}board = { kind = \"simulated\" }\n"), FileKind::Board);
         assert_eq!(of("format = 1\nboard.kind = \"simulated\"\n"), FileKind::Board);
         assert_eq!(of("format = 1\n  [[wires]]\nfrom = \"Q0\"\n"), FileKind::Board);
         assert_eq!(of("format = 1\ntitle = \n"), FileKind::Unclear);
