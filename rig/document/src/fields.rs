@@ -41,7 +41,10 @@ impl<'a> Fields<'a> {
                     Some(spec) => {
                         missing.retain(|name| *name != spec.name);
                         let message = format!("`{}` of the {what} is called `{}` now", entry.key, spec.name);
-                        let help = format!("write `{}`; its value stays as it is", spec.name);
+                        let help = match table.entries.iter().any(|other| other.key == spec.name) {
+                            true => format!("remove it: `{}` is there, too", spec.name),
+                            false => format!("write `{}`; its value stays as it is", spec.name),
+                        };
                         out.error(out.codes().unknown_key, entry.key_span.clone(), message, help);
                     }
                     None => unknown_key(entry, what, specs, out),
