@@ -30,7 +30,9 @@ impl WatchdogDevice {
     /// # Errors
     /// What the kernel says: EBUSY where another program feeds it; EINVAL for a time that it cannot keep.
     pub fn open(path: &Path, timeout: Span) -> io::Result<WatchdogDevice> {
-        let device = OpenOptions::new().write(true).custom_flags(libc::O_CLOEXEC).open(path)?;
+        // A pipe would wait for its reader: what is no device is refused at once.
+        let flags = libc::O_CLOEXEC | libc::O_NONBLOCK;
+        let device = OpenOptions::new().write(true).custom_flags(flags).open(path)?;
         if !device.metadata()?.file_type().is_char_device() {
             return Err(io::Error::from_raw_os_error(libc::ENOTTY));
         }
