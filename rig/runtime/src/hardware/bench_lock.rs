@@ -9,11 +9,11 @@ use document::Diagnostic;
 use drivers::real::{Used, uses};
 use drivers::{BoardFile, BoardKind};
 use host::lock_bytes;
-use rustix::fs::{Mode, chmod};
+use rustix::fs::{Mode, OFlags, chmod};
 use signal::Span;
 use std::fs::File;
 use std::io;
-use std::os::unix::fs::{FileExt, PermissionsExt};
+use std::os::unix::fs::{FileExt, OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -120,7 +120,7 @@ fn user(users: &str, uid: u32) -> Option<String> {
 }
 
 /// Takes the devices of a board for this process; `None` where the board has none on this machine. Where somebody else has
-/// one, `wait` is how long to wait for them, if at all, and `report` is report for whom once.
+/// one, `wait` is how long to wait for them, if at all, and `report` hears once for whom.
 ///
 /// # Errors
 /// Who has them; a warning where this machine has no place for locks, and the bench is used without.
@@ -183,8 +183,10 @@ fn lock(folder: &Path, used: &[Used]) -> io::Result<Result<BenchLock, TakenResou
 /// Opens a file that every user may write. One of another user is not created again: the kernel may refuse that in a
 /// folder that all share.
 fn open(path: &Path) -> io::Result<File> {
+    // Whoever can write into the folder must not choose which file is overwritten, or hold up who opens it.
+    let flags = (OFlags::NOFOLLOW | OFlags::NONBLOCK).bits().cast_signed();
     let mut options = File::options();
-    options.read(true).write(true);
+    options.read(true).write(true).custom_flags(flags);
     match options.open(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => {}
         opened => return opened,
@@ -196,7 +198,7 @@ fn open(path: &Path) -> io::Result<File> {
         }
         // Somebody was quicker.
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
-            File::options().read(true).write(true).open(path)
+            File::options().read(true).write(true).custom_flags(flags).open(path)
         }
         Err(error) => Err(error),
     }
@@ -276,6 +278,17 @@ mod tests {
         drop(one);
         assert!(lock(folder.path(), &of(&["net:can0"])).unwrap().is_ok());
         drop(beside);
+    }
+
+    #[test]
+    fn a_lock_is_no_link_to_another_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let victim = folder.path().join("victim");
+        std::fs::write(&victim, "kept").unwrap();
+        let path = folder.path().join("x.lock");
+        std::os::unix::fs::symlink(&victim, &path).unwrap();
+        assert!(open(&path).is_err());
+        assert_eq!(std::fs::read_to_string(&victim).unwrap(), "kept");
     }
 
     #[test]
