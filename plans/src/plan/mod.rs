@@ -4,6 +4,7 @@ mod build;
 mod check;
 mod envelope;
 mod expand;
+mod expected_states;
 mod facts;
 mod functions;
 mod global_checks;

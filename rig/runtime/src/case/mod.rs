@@ -321,12 +321,13 @@ fn run_here(
     let ending = CaseEnding {
         early: schedule.early_end(),
         not_refused: std::mem::take(&mut ran.not_refused),
+        exceptions: ran.exceptions.iter().map(|stop| stop.noted(ran.start, subject.catalogue())).collect(),
         unmet,
         fault: ran.fault.as_ref().map(|fault| fault.show(board.channels()).to_string()),
     };
     ending.write_to(&mut trace);
     let outcome = judge.finish(When::exactly(ran.end), &trace);
-    verdict(&mut record, outcome.map_err(|error| error.to_string()), &ending);
+    verdict(&mut record, outcome.map_err(|error| error.to_string()), &ending, &case.expected_states());
     finish(&mut record, &ran, late, &schedule, &*subject, &trace);
     record.host_ms = u64::try_from(began.elapsed().as_millis()).unwrap_or(u64::MAX);
     // The applications leave what of them ran when they go.
@@ -347,7 +348,12 @@ fn show(recorder: &mut Recorder, signal: SignalId, value: Value) {
 
 /// Puts the judge's outcome and how the case ended into the record. The same for a run and for a trace that is judged
 /// again, so that both come to the same.
-pub fn verdict(record: &mut CaseRecord, outcome: Result<JudgedCase, String>, ending: &CaseEnding) {
+pub fn verdict(
+    record: &mut CaseRecord,
+    outcome: Result<JudgedCase, String>,
+    ending: &CaseEnding,
+    expected_states: &[String],
+) {
     match outcome {
         Ok(outcome) => {
             record.claims = outcome.claims;
@@ -360,7 +366,7 @@ pub fn verdict(record: &mut CaseRecord, outcome: Result<JudgedCase, String>, end
             record.reason = format!("the trace cannot be read: {fault}");
         }
     }
-    ending.judge(record);
+    ending.judge(record, expected_states);
 }
 
 fn finish(

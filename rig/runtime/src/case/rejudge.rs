@@ -78,7 +78,7 @@ pub fn judge_gathered(text: &PlanText, trace: &Trace) -> Result<CaseRecord, Vec<
     record.duration_ns = end.max(closed).as_nanos();
     let judge = CaseJudge::new(case.scenario(), trace.signals())?;
     let outcome = judge.replay(When::exactly(end), trace).map_err(|error| error.to_string());
-    verdict(&mut record, outcome, &CaseEnding::read_from(trace));
+    verdict(&mut record, outcome, &CaseEnding::read_from(trace), &case.expected_states());
     let changed = trace.note("plan-sha256") != Some(describe::plan_hash(read.joined()).as_str());
     if changed {
         let reason = format!("{} (the plan has changed since the trace was recorded)", record.reason);

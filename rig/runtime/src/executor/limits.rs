@@ -1,5 +1,6 @@
 //! What an executor is given of a case, and what it leaves.
 
+use crate::executor::exceptions::ExceptionStop;
 use crate::executor::frame_log::FrameLog;
 use crate::executor::rig_fault::RigFault;
 use crate::schedule::case_ending::NotRefused;
@@ -46,6 +47,8 @@ pub struct ExecutorReport {
     pub fault: Option<RigFault>,
     /// Steps that expect a refusal and were obeyed.
     pub not_refused: Vec<(String, NotRefused)>,
+    /// Stops of the application by an exception, the first into each state.
+    pub exceptions: Vec<ExceptionStop>,
     /// Deadlines of the rig that it missed.
     pub overruns: u64,
     /// How far the application could run ahead of the clock: 0 where that changes nothing.

@@ -11,6 +11,7 @@ mod confirm;
 mod edges;
 mod emission;
 mod event_source;
+mod exceptions;
 pub mod frame_log;
 pub mod heartbeat;
 mod limits;
@@ -50,6 +51,7 @@ use drivers::{Board, BoardEvent, BoardExt, BusEvent, BusState, ChannelId, Emissi
 use edges::PendingEdges;
 use emission::Emissions;
 use event_source::EventSource;
+use exceptions::ExceptionWatch;
 use pacing::Pacing;
 use plans::steps::CasePart;
 use ports::BoundPorts;
@@ -58,6 +60,7 @@ use relays::RelayMarks;
 use signal::{Cause, Time, Value, When};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+pub use exceptions::ExceptionStop;
 pub use limits::{ExecutorLimits, ExecutorReport};
 
 /// Turns of the loop without a moment of time passing: more is a circuit that oscillates for ever in no time.
@@ -98,6 +101,7 @@ pub struct Executor<'a> {
     /// The outputs were driven to their safe values.
     safe: bool,
     report: ExecutorReport,
+    exceptions: ExceptionWatch,
     /// Somebody who goes through the case step by step.
     stepping: Option<Stepping<'a>>,
     /// Clients of a rig that is kept running.
@@ -229,6 +233,7 @@ impl<'a> Executor<'a> {
             over: false,
             safe: false,
             report: ExecutorReport { log: Vec::with_capacity(64), frames, ..ExecutorReport::default() },
+            exceptions: ExceptionWatch::default(),
             stepping: None,
             live: None,
             limits,
@@ -382,6 +387,9 @@ impl<'a> Executor<'a> {
                 Effect::PortOutput { at, port } => self.send_from_port(at, port),
                 Effect::PortSilent { port, .. } => outcome = outcome.and(self.silence_port(port)),
                 Effect::State { at, state } => {
+                    if let Some(stop) = self.exceptions.state(at, state) {
+                        self.note_exception(stop);
+                    }
                     if let Some(signal) = self.parts.wiring.state {
                         let at = self.seen(at);
                         self.record(signal, at, Value::Int(state.number()), Cause::Controller);
@@ -398,6 +406,7 @@ impl<'a> Executor<'a> {
                     }
                 }
                 Effect::Log { at, entry } => {
+                    self.exceptions.log(&entry);
                     // No words for a line that nobody gets.
                     if self.live.is_none() && self.report.log.len() >= LOG_LINES {
                         self.report.log_dropped += 1;
@@ -409,6 +418,14 @@ impl<'a> Executor<'a> {
         }
         self.buffers.spare.clear();
         if outcome.and(self.write_effects())? { self.poll() } else { Ok(()) }
+    }
+
+    /// The application was stopped by an exception: the first into each state counts, up to the end of the case.
+    fn note_exception(&mut self, stop: ExceptionStop) {
+        let known = self.report.exceptions.iter().any(|known| known.state == stop.state);
+        if !known && self.parts.schedule.phase() != CasePart::Teardown {
+            self.report.exceptions.push(stop);
+        }
     }
 
     /// A line for the log of the case, and for clients.

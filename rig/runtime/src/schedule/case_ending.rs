@@ -9,6 +9,8 @@ use std::fmt;
 const ENDED: &str = "ended";
 const UNMET: &str = "unmet";
 const FAULT: &str = "trouble";
+/// Followed by the state that the controller came into.
+const EXCEPTION: &str = "exception:";
 /// Followed by the id of a step.
 const NOT_REFUSED: &str = "refused:";
 
@@ -19,10 +21,28 @@ pub struct CaseEnding {
     pub early: Option<EarlyEnd>,
     /// Steps that expect a refusal and were obeyed, by their ids.
     pub not_refused: Vec<(String, NotRefused)>,
+    /// Stops of the application by an exception, the first into each state.
+    pub exceptions: Vec<StopByException>,
     /// Why this instrument cannot judge the case, as was seen when it had run.
     pub unmet: Option<String>,
     /// A fault of the rig, in words.
     pub fault: Option<String>,
+}
+
+/// A stop of the application that nobody commanded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StopByException {
+    /// The state that the controller came into: `HALT`, or `EMPTY` after a system error.
+    pub state: String,
+    /// When, and the cause: `1.1 s after the start: the task watchdog of MAST stopped the application`.
+    pub what: String,
+}
+
+impl StopByException {
+    /// Whether it is among the states that a plan speaks of. On its way into EMPTY the controller boots.
+    fn is_expected(&self, states: &[String]) -> bool {
+        states.iter().any(|state| *state == self.state || (state == "BOOTING" && self.state == "EMPTY"))
+    }
 }
 
 /// Why a case ended before its end.
@@ -116,6 +136,9 @@ impl CaseEnding {
         for (step, done) in &self.not_refused {
             trace.set_note(&format!("{NOT_REFUSED}{step}"), done.to_string());
         }
+        for stop in &self.exceptions {
+            trace.set_note(&format!("{EXCEPTION}{}", stop.state), stop.what.clone());
+        }
         if let Some(unmet) = &self.unmet {
             trace.set_note(UNMET, unmet.clone());
         }
@@ -129,7 +152,12 @@ impl CaseEnding {
         let steps = trace.notes().filter_map(|(key, words)| {
             Some((key.strip_prefix(NOT_REFUSED)?.to_owned(), NotRefused::parse(words)))
         });
+        let exceptions = trace.notes().filter_map(|(key, what)| {
+            let state = key.strip_prefix(EXCEPTION)?.to_owned();
+            Some(StopByException { state, what: what.to_owned() })
+        });
         CaseEnding {
+            exceptions: exceptions.collect(),
             early: trace.note(ENDED).map(EarlyEnd::parse),
             not_refused: steps.collect(),
             unmet: trace.note(UNMET).map(str::to_owned),
@@ -138,8 +166,9 @@ impl CaseEnding {
     }
 
     /// Puts it into a record that has the verdict of the claims: a fault of the rig goes before what the instrument lacks,
-    /// and that before the claims.
-    pub fn judge(&self, record: &mut CaseRecord) {
+    /// and that before the claims. An exception that leaves RUNNING fails the case, unless the state that it leads to is one that
+    /// the plan speaks of ([`plans::Case::expected_states`]): whatever else holds, it held for a controller that did nothing.
+    pub fn judge(&self, record: &mut CaseRecord, expected_states: &[String]) {
         record.ended = self.early.as_ref().map_or_else(String::new, EarlyEnd::to_string);
         // By its id: the notes of a trace do not keep the order in which they were written.
         if let Some((step, done)) = self.not_refused.iter().min_by(|a, b| a.0.cmp(&b.0)) {
@@ -147,6 +176,10 @@ impl CaseEnding {
             if record.reason.is_empty() {
                 record.reason = format!("step `{step}` expects a refusal: {done}");
             }
+        }
+        if let Some(stop) = self.exceptions.iter().find(|stop| !stop.is_expected(expected_states)) {
+            record.verdict = record.verdict.max(Verdict::Fail);
+            record.reason = format!("the controller went into {} by itself, {}", stop.state, stop.what);
         }
         if let Some(unmet) = &self.unmet {
             record.verdict = Verdict::Inconclusive;
@@ -180,6 +213,7 @@ mod tests {
         let done = DONE.into_iter().map(|(done, _)| done).chain([NotRefused::Recorded("it was done".into())]);
         let ending = CaseEnding {
             not_refused: ["a", "b", "c", "d"].map(String::from).into_iter().zip(done).collect(),
+            exceptions: vec![StopByException { state: "HALT".into(), what: "1 s after the start".into() }],
             unmet: Some("late".into()),
             fault: Some("lost".into()),
             ..CaseEnding::default()
@@ -189,10 +223,32 @@ mod tests {
     }
 
     #[test]
+    fn a_stop_that_no_plan_speaks_of_fails_the_case() {
+        let stop =
+            |state: &str| StopByException { state: state.into(), what: "1 s after the start: why".into() };
+        let judged = |stops: &[StopByException], expected: &[&str], claims: Verdict| {
+            let mut record =
+                CaseRecord { verdict: claims, reason: "a claim".into(), ..CaseRecord::default() };
+            let ending = CaseEnding { exceptions: stops.to_vec(), ..CaseEnding::default() };
+            ending.judge(&mut record, &expected.iter().map(|state| (*state).to_owned()).collect::<Vec<_>>());
+            (record.verdict, record.reason)
+        };
+        let failed = |state| {
+            (Verdict::Fail, format!("the controller went into {state} by itself, 1 s after the start: why"))
+        };
+        let passed = (Verdict::Pass, String::from("a claim"));
+        assert_eq!(judged(&[stop("HALT")], &["RUNNING"], Verdict::Pass), failed("HALT"));
+        assert_eq!(judged(&[stop("HALT")], &[], Verdict::Inconclusive), failed("HALT"));
+        assert_eq!(judged(&[stop("HALT")], &["RUNNING", "HALT"], Verdict::Pass), passed);
+        assert_eq!(judged(&[stop("EMPTY")], &["BOOTING"], Verdict::Pass), passed);
+        assert_eq!(judged(&[stop("HALT"), stop("EMPTY")], &["HALT"], Verdict::Pass), failed("EMPTY"));
+    }
+
+    #[test]
     fn a_fault_goes_before_what_is_unmet_and_that_before_the_claims() {
         let judged = |ending: &CaseEnding| {
             let mut record = CaseRecord { verdict: Verdict::Pass, ..CaseRecord::default() };
-            ending.judge(&mut record);
+            ending.judge(&mut record, &[]);
             (record.verdict, record.reason)
         };
         let obeyed = |step: &str| (step.into(), NotRefused::Command);
