@@ -225,3 +225,32 @@ fn a_warning_is_one_without_errors() {
     assert!(wrong(&[document::Diagnostic::error("R0117", "LREAL")]).contains("refused otherwise"));
     assert_eq!(read(&format!("{text}refused = {{ code = \"R0117\" }}\n")).unwrap_err()[0].code, "P0503");
 }
+
+#[test]
+fn the_states_that_a_case_speaks_of() {
+    let states = |claim: &str, step: &str| {
+        let text = format!(
+            "format = 1\nprogram = \"a.st\"\nends = \"start + 2 s\"\nsteps = [{step}]\nexpect = [{{ {claim} }}]\n"
+        );
+        let file = SourceFile::new("a.toml", text);
+        let plan = plans::read(&file, &[], 1);
+        plan.unwrap_or_else(|found| panic!("{}", render(&found, &[file], false)))
+            .case(0)
+            .unwrap()
+            .expected_states()
+    };
+    for (claim, expected) in [
+        ("state = { is = \"halt\" }", &["HALT"][..]),
+        ("state = { becomes = \"EMPTY\" }", &["EMPTY"]),
+        ("stays = { signal = \"state\", one-of = [\"RUNNING\", \"HALT\"] }", &["RUNNING", "HALT"]),
+        ("value = { of = \"state\", is = \"HALT\" }", &["HALT"]),
+        // All that an alarm line shows.
+        ("never = { signal = \"state\", is = \"RUNNING\" }", &["HALT", "EMPTY"]),
+        ("never = { signal = \"state\", is = \"HALT\" }", &[]),
+        ("value = { of = \"%MW1\", is = 1 }", &[]),
+    ] {
+        assert_eq!(states(claim, ""), expected, "{claim}");
+    }
+    let waits = "{ id = \"a\", when = { signal = \"state\", becomes = \"HALT\", within = \"1 s\" } }";
+    assert_eq!(states("value = { of = \"%MW1\", is = 1 }", waits), ["HALT"]);
+}

@@ -224,6 +224,17 @@ expect = [{ state = { stays = \"RUNNING\" } }]";
 }
 
 #[test]
+fn that_it_never_runs_is_all_that_can_be_claimed_of_its_stop() {
+    let claimed = |from: &str| {
+        let claim = format!("{{ never = {{ signal = \"state\", is = \"RUNNING\", from = \"{from}\" }} }}");
+        let step = "{ id = \"cut\", at = \"start + 1 s\", power = \"off\" }";
+        run(LINES, &format!("steps = [{step}]\nends = \"cut + 3 s\"\nexpect = [{claim}]"))
+    };
+    expect(&claimed("cut + 2 s"), Verdict::Pass);
+    expect(&claimed("start"), Verdict::Fail);
+}
+
+#[test]
 fn a_case_that_begins_with_its_boot_switches_its_supply_whatever_the_board_says() {
     let rest = "\
 settings = { initial = \"booting\" }
