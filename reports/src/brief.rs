@@ -11,8 +11,12 @@ pub(crate) enum DecidingResult<'a> {
 }
 
 impl<'a> DecidingResult<'a> {
-    /// The first that has the case's verdict: claims before measurements.
+    /// The first that has the case's verdict: claims before measurements. A stop by an exception goes before them: what they
+    /// lack is for its sake.
     pub(crate) fn of(case: &'a CaseRecord) -> DecidingResult<'a> {
+        if let Some(exception) = show::exception(case) {
+            return DecidingResult::Reason(exception);
+        }
         let claim = case.claims.iter().find(|claim| claim.verdict == case.verdict);
         let measurement = case.measurements.iter().find(|m| m.verdict == case.verdict);
         match (claim, measurement) {

@@ -127,7 +127,9 @@ fn with_claims(case: &CaseRecord) -> String {
     }
     if let DecidingResult::Reason(reason) = DecidingResult::of(case) {
         let _ = writeln!(out, "\n{}", code(if reason.is_empty() { case.verdict.word() } else { reason }));
-        return out;
+        if show::exception(case).is_none() {
+            return out;
+        }
     }
     let figure = |figure: Option<&Figure>| figure.map_or(String::new(), Figure::to_string);
     let claims = case.claims.iter().filter(|claim| claim.verdict != Verdict::Pass).map(|claim| {
@@ -142,8 +144,11 @@ fn with_claims(case: &CaseRecord) -> String {
         let wanted = format!("{} {}", m.name, show::limits(m));
         (m.verdict, [wanted, show::value(m), figure(m.margin.as_ref())], m.line)
     });
-    out.push_str("\n| | expected | observed | margin | in |\n| --- | --- | --- | --- | --- |\n");
     let all: Vec<_> = claims.chain(measurements).collect();
+    if all.is_empty() {
+        return out;
+    }
+    out.push_str("\n| | expected | observed | margin | in |\n| --- | --- | --- | --- | --- |\n");
     for (verdict, cells, line) in all.iter().take(CLAIMS) {
         let place = if *line == 0 { case.plan.clone() } else { format!("{}:{line}", case.plan) };
         let [expected, observed, margin] = cells.each_ref().map(|cell| code(cell));

@@ -58,6 +58,11 @@ pub(crate) fn reason(case: &CaseRecord) -> &str {
     }
 }
 
+/// The stop by an exception that failed the case, if one did.
+pub(crate) fn exception(case: &CaseRecord) -> Option<&str> {
+    (case.verdict == Verdict::Fail && !case.exception.is_empty()).then_some(&case.exception)
+}
+
 /// The text with everything that a terminal or a reader of markup could act on made visible or blank:
 /// control characters (escape sequences) and invisible direction marks become `�`, line ends and tabs blanks.
 pub fn clean(text: &str) -> Cow<'_, str> {

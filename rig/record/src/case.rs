@@ -132,6 +132,9 @@ pub struct CaseRecord {
     /// Why the case ended before its end; empty for one that did not.
     #[serde(default)]
     pub ended: String,
+    /// That the application was stopped by an exception of which the plan does not speak: state, instant and cause.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub exception: String,
     /// Requirements that the plan proves: `controller:WD-04`.
     pub proves: Vec<String>,
     /// Words of the plan that cases are chosen and filtered by.

@@ -4,8 +4,9 @@ const NEAREST = 12;
 
 const heading = (level, text) => h(level, {}, text);
 
-// Why a case did not pass, in a line: the first claim or measurement of its verdict.
+// Why a case did not pass, in a line: an exception that failed it, else the first claim or measurement of its verdict.
 const cause = (record) => {
+  if (record.exception && record.verdict === "fail") return record.exception;
   const claim = record.claims.find((c) => c.verdict === record.verdict);
   if (claim) return `${claim.name}: ${claim.observed || claim.reason}`;
   const m = record.measurements.find((c) => c.verdict === record.verdict);

@@ -179,7 +179,8 @@ impl CaseEnding {
         }
         if let Some(stop) = self.exceptions.iter().find(|stop| !stop.is_expected(expected_states)) {
             record.verdict = record.verdict.max(Verdict::Fail);
-            record.reason = format!("the controller went into {} by itself, {}", stop.state, stop.what);
+            record.exception = format!("the controller went into {} by itself, {}", stop.state, stop.what);
+            record.reason.clone_from(&record.exception);
         }
         if let Some(unmet) = &self.unmet {
             record.verdict = Verdict::Inconclusive;
