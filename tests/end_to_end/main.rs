@@ -13,6 +13,7 @@ mod dashboard;
 mod diff;
 mod doctor;
 mod event_log;
+mod exceptions;
 mod expectations;
 mod explain;
 mod fail;
