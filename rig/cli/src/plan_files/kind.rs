@@ -106,7 +106,7 @@ mod tests {
         assert_eq!(of("program = \"a.st\"\nexpect = [\n  { x = 1 },\n]\n"), FileKind::Plan);
         assert_eq!(of("format = 1\n[board]\nkind = \"simulated\"\n"), FileKind::Board);
         assert_eq!(of("format = 1\nboard = { kind = \"simulated\" }\n"), FileKind::Board);
-        assert_eq!(of("\u{feff}board = { kind = \"simulated\" }\n"), FileKind::Board);
+        assert_eq!(of("\u{feff}format = 1\n[board]\nkind = \"simulated\"\n"), FileKind::Board);
         assert_eq!(of("format = 1\nboard.kind = \"simulated\"\n"), FileKind::Board);
         assert_eq!(of("format = 1\n  [[wires]]\nfrom = \"Q0\"\n"), FileKind::Board);
         assert_eq!(of("format = 1\ntitle = \n"), FileKind::Unclear);
