@@ -4,9 +4,10 @@ use profile::Profile;
 use std::fmt;
 
 /// What kind of thing a requirement is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum RequirementClass {
     /// Behaviour that a plan can prove.
+    #[default]
     Behaviour,
     /// A constant of a table.
     Constant,
@@ -25,6 +26,48 @@ impl RequirementClass {
     }
 }
 
+/// What a requirement that no case proves can wait for: the part of the controller that it needs, or a plan.
+pub const OPEN: [&str; 21] = [
+    "CANopen",
+    "EtherNet/IP",
+    "Ethernet",
+    "FTP",
+    "J1939",
+    "Modbus TCP",
+    "OPC UA",
+    "SD card",
+    "SNMP",
+    "access rights",
+    "clock",
+    "configuration",
+    "firmware",
+    "libraries",
+    "modules",
+    "plan",
+    "post configuration",
+    "serial line",
+    "system functions",
+    "system variables",
+    "web server",
+];
+
+/// What the register says of how far a requirement, or one of its clauses, can be proven.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ProofFacts {
+    /// The profiles that it holds for; empty for all, of a clause for those of its requirement.
+    pub profiles: Vec<Profile>,
+    /// What kind of thing it is; a clause without one is of the kind of its requirement.
+    pub class: RequirementClass,
+    /// Why a rig cannot reproduce it; empty for what it can.
+    pub reason: String,
+    /// What it waits for where its proof is not complete: one of [`OPEN`].
+    pub open: Option<String>,
+    /// The number of the decision by which it is proven against its letter: a file of `docs/decisions`.
+    pub decision: Option<u16>,
+    /// What stands in its proof in place of what it names, as a file in place of a card; empty for nothing.
+    pub stand_in: String,
+}
+
 /// One requirement.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Requirement {
@@ -34,23 +77,21 @@ pub struct Requirement {
     pub asks: String,
     /// Where it comes from: section of the specification.
     pub source: String,
-    /// The profiles that it holds for; empty for all.
-    pub profiles: Vec<Profile>,
-    /// What kind of thing it is.
-    pub class: RequirementClass,
-    /// Its clauses in the order of the file, each with what it asks. Empty where it is one statement.
+    /// How far it can be proven; of one with clauses, profiles and class alone.
+    pub proof: ProofFacts,
+    /// Its clauses in the order of the file. Empty where it is one statement.
     pub clauses: Vec<RequirementClause>,
 }
 
-/// One row of a requirement that is a table or a list; cited as in `controller:RB-02#8`.
+/// One statement of a requirement that makes several; cited as in `controller:RB-02#8`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RequirementClause {
     /// What stands after the `#`.
     pub id: String,
     /// What it asks, one line.
     pub asks: String,
-    /// The profiles that it holds for; empty for those of its requirement.
-    pub profiles: Vec<Profile>,
+    /// How far it can be proven.
+    pub proof: ProofFacts,
 }
 
 /// Longest name of a clause in bytes.
@@ -90,36 +131,23 @@ impl std::error::Error for RequirementError {}
 
 impl RequirementRegister {
     /// Reads the register: a table for each requirement, `["controller:WD-04"]` with `asks`, `source`, and where
-    /// they differ from the usual `class` (behaviour) and `profiles` (all).
+    /// they differ from the usual the keys of [`ProofFacts`]: `profiles` (all), `class` (behaviour), `reason`,
+    /// `open`, `decision`, `stand-in`. `clauses` is a table of statements, `"8" = "what it asks"` or
+    /// `"8" = { asks = "...", profiles = [...] }` with the same keys.
     ///
     /// # Errors
     /// The first thing that is wrong.
     pub fn read(text: &str) -> Result<RequirementRegister, RequirementError> {
-        let fail = |id: &str, fault: String| RequirementError { id: id.to_owned(), fault };
         let file = document::SourceFile::new("requirements.toml", text);
-        let root = document::toml::parse(&file, crate::TOML).map_err(|found| {
-            fail("", found.first().map_or_else(String::new, |first| first.message.clone()))
+        let root = document::toml::parse(&file, crate::TOML).map_err(|found| RequirementError {
+            id: String::new(),
+            fault: found.first().map_or_else(String::new, |first| first.message.clone()),
         })?;
-        let mut entries = Vec::with_capacity(root.entries.len());
-        for entry in &root.entries {
-            let id = &entry.key;
-            let Some(table) = entry.node.as_table() else {
-                return Err(fail(id, String::from("is no table")));
-            };
-            let text = |key: &str| table.get(key).and_then(document::Node::as_text).map(str::to_owned);
-            let class = match text("class").as_deref() {
-                None | Some("behaviour") => RequirementClass::Behaviour,
-                Some("constant") => RequirementClass::Constant,
-                Some("not-reproducible") => RequirementClass::NotReproducible,
-                Some(other) => return Err(fail(id, format!("there is no class `{other}`"))),
-            };
-            let profiles = profiles(table).map_err(|fault| fail(id, fault))?;
-            let asks = text("asks").ok_or_else(|| fail(id, String::from("has no `asks`")))?;
-            let source = text("source").ok_or_else(|| fail(id, String::from("has no `source`")))?;
-            let clauses = clauses(table).map_err(|fault| fail(id, fault))?;
-            entries.push(Requirement { id: id.clone(), asks, source, profiles, class, clauses });
-        }
-        Ok(RequirementRegister { entries })
+        let entries = root.entries.iter().map(|entry| {
+            let id = entry.key.clone();
+            requirement(&id, &entry.node).map_err(|fault| RequirementError { id, fault })
+        });
+        Ok(RequirementRegister { entries: entries.collect::<Result<_, _>>()? })
     }
 
     /// The requirement of this ID.
@@ -138,8 +166,93 @@ impl RequirementRegister {
     }
 }
 
+fn requirement(id: &str, node: &document::Node) -> Result<Requirement, String> {
+    let table = node.as_table().ok_or_else(|| String::from("is no table"))?;
+    let mut proof = proof_facts(table, &["asks", "source", "clauses"], RequirementClass::default())?;
+    let clauses = clauses(table, proof.class)?;
+    if !clauses.is_empty() {
+        if proof.open.is_some() || proof.decision.is_some() || !proof.stand_in.is_empty() {
+            return Err(String::from(
+                "has clauses: `open`, `decision` and `stand-in` are said of the clause",
+            ));
+        }
+        // Of what cannot be reproduced nothing is cited.
+        if proof.class == RequirementClass::NotReproducible {
+            return Err(String::from("has clauses: the class `not-reproducible` is said of the clause"));
+        }
+        proof.reason.clear();
+    }
+    Ok(Requirement {
+        id: id.to_owned(),
+        asks: text(table, "asks")?.ok_or("has no `asks`")?,
+        source: text(table, "source")?.ok_or("has no `source`")?,
+        proof,
+        clauses,
+    })
+}
+
+/// The text of a key, where it stands; nothing that is no text or empty.
+fn text(table: &document::Table, key: &str) -> Result<Option<String>, String> {
+    match table.get(key).map(document::Node::as_text) {
+        None => Ok(None),
+        Some(Some(text)) if !text.is_empty() => Ok(Some(text.to_owned())),
+        Some(_) => Err(format!("`{key}` is no text, or an empty one")),
+    }
+}
+
+/// How far the requirement or the clause of a table can be proven. `others` are the keys beside it, `class` is that of
+/// a table that names none.
+fn proof_facts(
+    table: &document::Table,
+    others: &[&str],
+    class: RequirementClass,
+) -> Result<ProofFacts, String> {
+    const KEYS: [&str; 6] = ["profiles", "class", "reason", "open", "decision", "stand-in"];
+    let key_is_known = |key: &str| KEYS.contains(&key) || others.contains(&key);
+    if let Some(entry) = table.entries.iter().find(|entry| !key_is_known(&entry.key)) {
+        return Err(format!("there is no key `{}`", entry.key));
+    }
+    let class = match text(table, "class")?.as_deref() {
+        None => class,
+        Some("behaviour") => RequirementClass::Behaviour,
+        Some("constant") => RequirementClass::Constant,
+        Some("not-reproducible") => RequirementClass::NotReproducible,
+        Some(other) => return Err(format!("there is no class `{other}`")),
+    };
+    let open = text(table, "open")?;
+    if let Some(open) = open.as_ref().filter(|open| !OPEN.contains(&open.as_str())) {
+        return Err(format!("`open` cannot be `{open}`: it is one of {}", OPEN.join(", ")));
+    }
+    let decision = match table.get("decision").map(|node| &node.data) {
+        None => None,
+        Some(document::Data::Integer(number)) if *number > 0 => u16::try_from(*number).ok(),
+        Some(_) => return Err(String::from("`decision` is no number of a decision")),
+    };
+    let facts = ProofFacts {
+        profiles: profiles(table)?,
+        class,
+        reason: text(table, "reason")?.unwrap_or_default(),
+        open,
+        decision,
+        stand_in: text(table, "stand-in")?.unwrap_or_default(),
+    };
+    let reproducible = facts.class != RequirementClass::NotReproducible;
+    if reproducible != facts.reason.is_empty() {
+        return Err(String::from(
+            "`reason` says why it is `not-reproducible`: one does not go without the other",
+        ));
+    }
+    if !reproducible && (facts.open.is_some() || facts.decision.is_some() || !facts.stand_in.is_empty()) {
+        return Err(String::from(
+            "is `not-reproducible`: `open`, `decision` and `stand-in` say nothing of it",
+        ));
+    }
+    Ok(facts)
+}
+
 fn profiles(table: &document::Table) -> Result<Vec<Profile>, String> {
-    let names = table.get("profiles").and_then(document::Node::as_array).unwrap_or_default();
+    let Some(node) = table.get("profiles") else { return Ok(Vec::new()) };
+    let names = node.as_array().ok_or_else(|| String::from("`profiles` is no list"))?;
     names
         .iter()
         .map(|name| {
@@ -149,23 +262,26 @@ fn profiles(table: &document::Table) -> Result<Vec<Profile>, String> {
         .collect()
 }
 
-/// The clauses of a requirement: `"8" = "what it asks"`, or `"8" = { asks = "...", profiles = [...] }`.
-fn clauses(table: &document::Table) -> Result<Vec<RequirementClause>, String> {
+/// The clauses of a requirement of this class.
+fn clauses(table: &document::Table, class: RequirementClass) -> Result<Vec<RequirementClause>, String> {
     let Some(node) = table.get("clauses") else { return Ok(Vec::new()) };
     let list = node.as_table().ok_or_else(|| String::from("`clauses` is no table"))?;
-    let mut clauses = Vec::with_capacity(list.entries.len());
-    for entry in &list.entries {
+    let clause = |entry: &document::Entry| {
         let id = entry.key.clone();
         if !is_clause(&id) {
             return Err(format!("`{id}` cannot be the name of a clause"));
         }
-        let inner = entry.node.as_table();
-        let asks = inner.map_or(Some(&entry.node), |table| table.get("asks"));
-        let asks = asks.and_then(document::Node::as_text).map(str::to_owned);
-        let asks = asks.ok_or_else(|| format!("the clause `{id}` does not say what it asks"))?;
-        clauses.push(RequirementClause { id, asks, profiles: inner.map_or(Ok(Vec::new()), profiles)? });
-    }
-    Ok(clauses)
+        let at = |fault: String| format!("clause `{id}`: {fault}");
+        let (asks, proof) = match entry.node.as_table() {
+            None => (entry.node.as_text().map(str::to_owned), ProofFacts { class, ..ProofFacts::default() }),
+            Some(inner) => {
+                (text(inner, "asks").map_err(at)?, proof_facts(inner, &["asks"], class).map_err(at)?)
+            }
+        };
+        let asks = asks.ok_or_else(|| at(String::from("does not say what it asks")))?;
+        Ok(RequirementClause { id, asks, proof })
+    };
+    list.entries.iter().map(clause).collect()
 }
 
 #[cfg(test)]
@@ -177,7 +293,7 @@ mod tests {
         let text = "[\"controller:RB-02\"]\nasks = \"a\"\nsource = \"s\"\n[\"controller:RB-02\".clauses]\n\"8\" = \"b\"\n\"9\" = { asks = \"c\", profiles = [\"m241-2014\"] }\n";
         let register = RequirementRegister::read(text).unwrap();
         assert!(register.knows("controller:RB-02#8") && !register.knows("controller:RB-02#7"));
-        assert_eq!(register.entries[0].clauses[1].profiles, vec![Profile::M241_2014]);
+        assert_eq!(register.entries[0].clauses[1].proof.profiles, vec![Profile::M241_2014]);
         assert!(is_clause("reset-cold/retain") && !is_clause("Reset") && !is_clause("a/") && !is_clause(""));
     }
 
@@ -187,8 +303,54 @@ mod tests {
             "[\"controller:WD-04\"]\nasks = \"a\"\nsource = \"s\"\nprofiles = [\"m241-2014\"]\nclass = \"constant\"\n",
         );
         let entry = register.unwrap().find("controller:WD-04").cloned().unwrap();
-        assert_eq!((entry.class, entry.profiles), (RequirementClass::Constant, vec![Profile::M241_2014]));
+        assert_eq!(
+            (entry.proof.class, entry.proof.profiles),
+            (RequirementClass::Constant, vec![Profile::M241_2014])
+        );
         assert!(RequirementRegister::read("[\"x\"]\nasks = \"a\"\n").is_err());
         assert!(RequirementRegister::read("[\"x\"]\nasks = \"a\"\nsource = \"s\"\nclass = \"y\"\n").is_err());
+    }
+    fn fault(keys: &str) -> String {
+        let text = format!("[\"controller:WD-04\"]\nasks = \"a\"\nsource = \"s\"\n{keys}\n");
+        RequirementRegister::read(&text).map_or_else(|error| error.fault, |_| String::new())
+    }
+
+    #[test]
+    fn what_is_not_reproducible_has_a_reason_and_nothing_else() {
+        assert_eq!(fault("class = \"not-reproducible\"\nreason = \"a drawing\""), "");
+        for keys in [
+            "class = \"not-reproducible\"",
+            "reason = \"a drawing\"",
+            "class = \"not-reproducible\"\nreason = \"\"",
+            "class = \"not-reproducible\"\nreason = \"a drawing\"\nopen = \"plan\"",
+            "clauses = { 1 = { asks = \"b\", class = \"not-reproducible\" } }",
+            "class = \"not-reproducible\"\nreason = \"a drawing\"\nclauses = { 1 = \"b\" }",
+        ] {
+            assert_ne!(fault(keys), "", "{keys}");
+        }
+    }
+
+    #[test]
+    fn what_is_said_of_a_proof_is_one_of_few_words() {
+        for keys in [
+            "open = \"SD card\"",
+            "decision = 66",
+            "stand-in = \"a file\"",
+            "clauses = { 1 = { asks = \"b\", open = \"plan\" } }",
+        ] {
+            assert_eq!(fault(keys), "", "{keys}");
+        }
+        for (keys, says) in [
+            ("open = \"later\"", "it is one of CANopen"),
+            ("decision = \"66\"", "no number of a decision"),
+            ("decision = 0", "no number of a decision"),
+            ("stand_in = \"a file\"", "no key `stand_in`"),
+            ("profiles = \"m241-2014\"", "no list"),
+            ("open = \"plan\"\nclauses = { 1 = \"b\" }", "of the clause"),
+            ("clauses = { 1 = { asks = \"b\", why = \"c\" } }", "clause `1`: there is no key `why`"),
+        ] {
+            assert!(fault(keys).contains(says), "{keys}: {}", fault(keys));
+        }
+        assert!(OPEN.is_sorted());
     }
 }

@@ -126,12 +126,13 @@ fn proofs(record: &RunRecord) -> Proofs {
 
 /// The row of a requirement, and after it those of its clauses. With clauses it is proven when each of them is.
 fn rows<'a>(entry: &'a Requirement, proofs: &'a Proofs) -> Vec<PrintedRow<'a>> {
-    let own = row(entry.id.clone(), &entry.asks, entry, &entry.profiles, proofs);
+    let own = row(entry.id.clone(), &entry.asks, entry, &entry.proof.profiles, proofs);
     if entry.clauses.is_empty() {
         return vec![own];
     }
     let clauses = entry.clauses.iter().map(|clause| {
-        let holds = if clause.profiles.is_empty() { &entry.profiles } else { &clause.profiles };
+        let holds =
+            if clause.proof.profiles.is_empty() { &entry.proof.profiles } else { &clause.proof.profiles };
         row(format!("{}#{}", entry.id, clause.id), &clause.asks, entry, holds, proofs)
     });
     let clauses: Vec<PrintedRow<'_>> = clauses.collect();
@@ -150,7 +151,7 @@ fn row<'a>(
     proofs: &'a Proofs,
 ) -> PrintedRow<'a> {
     let known = proofs.get(&id);
-    let unproven = match entry.class {
+    let unproven = match entry.proof.class {
         RequirementClass::NotReproducible => ProofStatus::NotReproducible,
         RequirementClass::Behaviour | RequirementClass::Constant => ProofStatus::Unproven,
     };
@@ -197,7 +198,7 @@ fn json(all: &[PrintedRow<'_>]) {
             json!({
                 "id": row.id,
                 "status": row.status.word(),
-                "class": row.entry.class.word(),
+                "class": row.entry.proof.class.word(),
                 "asks": row.asks,
                 "source": row.entry.source,
                 "cases": cases(row, all),
