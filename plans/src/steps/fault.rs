@@ -42,6 +42,11 @@ pub(super) const CLEAR: StepVerb = StepVerb {
     read: read_clear,
 };
 
+/// Whether the kind stays for a `duration`; a glitch lasts for its `width`.
+fn has_duration(kind: &str) -> bool {
+    kind != "glitch"
+}
+
 /// The keys that each kind takes besides `signal`, `kind` and `duration`.
 fn own_keys(kind: &str) -> &'static [&'static str] {
     match kind {
@@ -86,6 +91,10 @@ fn keys_fit(fields: &Fields<'_>, node: &Node, kind: &str, out: &mut Findings) ->
             let message = format!("a fault of kind \"{kind}\" takes no `{key}`");
             out.error(codes::STIMULUS, entry.key_span.clone(), message, "remove it");
         }
+    }
+    if let Some(entry) = fields.table().entry("duration").filter(|_| !has_duration(kind)) {
+        let message = format!("a fault of kind \"{kind}\" takes no `duration`");
+        out.error(codes::STIMULUS, entry.key_span.clone(), message, "say with `width` how long it lasts");
     }
     out.errors() == before
 }
