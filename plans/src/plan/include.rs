@@ -204,13 +204,12 @@ impl Gathering<'_> {
         let place = self.joined.next();
         self.joined.append(file, &mut table);
         let before = out.errors();
-        if matches!(&table.get("format")?.data, Data::Integer(format) if *format != 1) {
-            out.error(
-                codes::FORMAT,
-                table.get("format")?.span.clone(),
-                "the file's format is not supported",
-                "this rig reads format = 1",
-            );
+        // That it is missing is reported with the other keys.
+        if let Some(Node { data: Data::Integer(format), span, .. }) = table.get("format")
+            && *format != 1
+        {
+            let help = "this rig reads format = 1";
+            out.error(codes::FORMAT, span.clone(), "the file's format is not supported", help);
         }
         Fields::check(&table, place..place, "included file", INCLUDED_KEYS, out);
         (out.errors() == before).then_some(table)
