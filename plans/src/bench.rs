@@ -112,7 +112,7 @@ pub fn doubt(
                 ))
             })
         }
-        ClaimDemand::Window { .. } | ClaimDemand::At(_) => None,
+        ClaimDemand::Window { .. } | ClaimDemand::At(_) | ClaimDemand::Differ(..) => None,
     })
 }
 

@@ -17,6 +17,8 @@ pub enum ClaimDemand<'a> {
     },
     /// A signal changes from one thing to another.
     Change(&'a str),
+    /// Two signals are held against each other at the same instants: where both show one thing, the claim says nothing.
+    Differ(&'a str, &'a str),
     /// The claim looks from an instant up to another.
     Window {
         /// Where it begins.

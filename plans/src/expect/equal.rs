@@ -121,7 +121,11 @@ impl TraceClaim for EqualClaim {
     }
 
     fn demands(&self) -> Vec<ClaimDemand<'_>> {
-        vec![ClaimDemand::At(&self.left.at), ClaimDemand::At(&self.right.at)]
+        let mut demands = vec![ClaimDemand::At(&self.left.at), ClaimDemand::At(&self.right.at)];
+        if self.left.at == self.right.at {
+            demands.push(ClaimDemand::Differ(&self.left.signal, &self.right.signal));
+        }
+        demands
     }
 
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {

@@ -126,7 +126,7 @@ impl TraceClaim for Follows {
     }
 
     fn demands(&self) -> Vec<ClaimDemand<'_>> {
-        vec![self.between.demand()]
+        vec![ClaimDemand::Differ(&self.signal, &self.leader), self.between.demand()]
     }
 
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {

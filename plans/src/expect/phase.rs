@@ -104,7 +104,12 @@ impl TraceClaim for PhaseClaim {
     }
 
     fn demands(&self) -> Vec<ClaimDemand<'_>> {
-        vec![ClaimDemand::Change(&self.of), ClaimDemand::Change(&self.reference), self.between.demand()]
+        vec![
+            ClaimDemand::Differ(&self.of, &self.reference),
+            ClaimDemand::Change(&self.of),
+            ClaimDemand::Change(&self.reference),
+            self.between.demand(),
+        ]
     }
 
     fn counts(&self) -> Option<f64> {

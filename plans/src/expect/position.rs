@@ -64,7 +64,9 @@ impl TraceClaim for PositionClaim {
     }
 
     fn demands(&self) -> Vec<ClaimDemand<'_>> {
-        vec![self.between.demand()]
+        let mut demands = self.train.demands();
+        demands.push(self.between.demand());
+        demands
     }
 
     fn counts(&self) -> Option<f64> {

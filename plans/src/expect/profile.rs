@@ -215,7 +215,9 @@ impl TraceClaim for ProfileClaim {
     }
 
     fn demands(&self) -> Vec<ClaimDemand<'_>> {
-        vec![ClaimDemand::Change(&self.shaped.train.signal), self.between.demand()]
+        let mut demands = self.shaped.train.demands();
+        demands.extend([ClaimDemand::Change(&self.shaped.train.signal), self.between.demand()]);
+        demands
     }
 
     fn counts(&self) -> Option<f64> {

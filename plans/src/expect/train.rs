@@ -3,8 +3,8 @@
 use document::{Diagnostic, Fields, KeySpec, KeyType};
 use signal::{Sampling, SignalInfo, Span, ValueKind};
 
-use super::ReadContext;
 use super::common::{blind_words, signal};
+use super::{ClaimDemand, ReadContext};
 use crate::codes;
 use crate::monitor::track::{PositionTrack, PulseEncoding};
 use crate::monitor::{CaseTimeline, NotJudged, TraceSignals, blind, slack};
@@ -95,6 +95,12 @@ impl TrainLines {
     /// Its signals, in the order of the slots of its track.
     pub(crate) fn signals(&self) -> Vec<String> {
         std::iter::once(&self.signal).chain(self.second.as_ref().map(|(_, other)| other)).cloned().collect()
+    }
+
+    /// What its lines demand of each other: one line has no direction.
+    pub(crate) fn demands(&self) -> Vec<ClaimDemand<'_>> {
+        let second = self.second.iter();
+        second.map(|(_, other)| ClaimDemand::Differ(&self.signal, other)).collect()
     }
 
     /// Whether a position can shrink.

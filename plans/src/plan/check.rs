@@ -164,7 +164,7 @@ impl CheckedParts<'_> {
                     (message, "let `until` be later than `from`")
                 })
             }
-            ClaimDemand::Value { .. } | ClaimDemand::Change(_) => None,
+            ClaimDemand::Value { .. } | ClaimDemand::Change(_) | ClaimDemand::Differ(..) => None,
         }
     }
 

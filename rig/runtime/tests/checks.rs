@@ -94,6 +94,36 @@ fn values_that_a_signal_cannot_have_are_errors() {
 }
 
 #[test]
+fn one_thing_under_two_names_is_not_compared_with_itself() {
+    let with = |claim: &str| {
+        let binds = "a = \"%QX0.4\", b = \"Q4\", c = \"%IX0.0\", n = \"small\", m = \"MAIN.small\"";
+        let plan = format!(
+            "signals = {{ {binds} }}\nsteps = [{{ id = \"press\", at = \"start + 1 s\", set = {{ signal = \"c\", value = true }} }}]\nexpect = [{claim}]"
+        );
+        found(&plan).iter().filter(|one| one.starts_with("R0145")).cloned().collect::<Vec<String>>()
+    };
+    for claim in [
+        "{ follows = { signal = \"a\", leader = \"b\" } }",
+        "{ equal = { left = \"a\", right = \"b\" } }",
+        "{ equal = { left = \"n\", right = \"m\" } }",
+        "{ phase = { of = \"a\", reference = \"b\", is = \"0 deg .. 1 deg\" } }",
+        "{ position = { signal = \"a\", quadrature = \"b\", is = 1 } }",
+    ] {
+        assert_eq!(with(claim).len(), 1, "{claim}: {:?}", found(claim));
+    }
+    for claim in [
+        "{ follows = { signal = \"a\", leader = \"c\" } }",
+        "{ equal = { left = \"n @ press\", right = \"m\" } }",
+    ] {
+        assert!(with(claim).is_empty(), "{claim}: {:?}", with(claim));
+    }
+    assert_eq!(
+        with("{ follows = { signal = \"a\", leader = \"b\" } }"),
+        ["R0145 `a` and `b` are one signal under two names: the claim compares it with itself"]
+    );
+}
+
+#[test]
 fn a_run_is_refused_as_well() {
     let plan = "format = 1\ntitle = \"A plan\"\nprogram = \"a.st\"\nneeds = [\"memory-access\"]\nexpect = [{ value = { of = \"small\", is = 256 } }]\n";
     let interrupt = std::sync::atomic::AtomicBool::new(false);

@@ -36,6 +36,10 @@ pub(crate) fn claims(looked: &CaseOnBench<'_>) -> Vec<Diagnostic> {
     let guards = case.invariants.iter().map(|guard| &guard.expectation);
     let mut found = Vec::new();
     for expectation in case.expectations.iter().chain(guards) {
+        if let Some(one) = looked.compared_with_itself(expectation) {
+            found.push(at(one, looked, expectation));
+            continue;
+        }
         let one = match doubt(&*expectation.claim, signals, &bounds) {
             Some(Doubt::Never(why)) => {
                 let help = "claim a value that it can have";
@@ -187,6 +191,34 @@ impl CaseOnBench<'_> {
         let channels = &self.prepared.wiring.channels;
         let place = channels.iter().position(|signals| signals.contains(&signal))?;
         u16::try_from(place).ok().map(ChannelId)
+    }
+
+    /// A claim that holds two signals against each other which are two names of one thing.
+    fn compared_with_itself(&self, expectation: &Expectation) -> Option<Diagnostic> {
+        let demands = expectation.claim.demands();
+        let (one, other) = demands.iter().find_map(|demand| match demand {
+            ClaimDemand::Differ(one, other) if self.is_same(one, other) => Some((one, other)),
+            _ => None,
+        })?;
+        let message = format!(
+            "`{one}` and `{other}` are one signal under two names: the claim compares it with itself"
+        );
+        Some(Diagnostic::error(codes::CLAIM_WITHOUT_CHOICE, message).help("name two signals that can differ"))
+    }
+
+    /// Whether two names stand for one thing: a line, a variable, a place of memory.
+    fn is_same(&self, one: &str, other: &str) -> bool {
+        let source = |name| self.binding(name).map(|binding| &binding.source);
+        if source(one).is_some_and(|source_of_one| Some(source_of_one) == source(other)) {
+            return true;
+        }
+        let (Some(one), Some(other)) = (self.prepared.trace.find(one), self.prepared.trace.find(other))
+        else {
+            return false;
+        };
+        let wiring = &self.prepared.wiring;
+        let mut shown = wiring.channels.iter().chain(&wiring.probes);
+        shown.any(|signals| signals.contains(&one) && signals.contains(&other))
     }
 
     /// A claim that needs a change of a line that nothing moves, or a look at one that the rig cannot see.
