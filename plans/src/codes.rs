@@ -47,6 +47,7 @@ document::codes! {
     CLAIM = "P0503", "A claim that can never be met or never fail";
     MEANING = "P0504", "A value that is not valid for its signal";
     NOT_IN_TRACE = "P0505", "A signal that the trace does not have";
+    REFUSED_AND_CLAIMS = "P0506", "A case that is refused and claims something";
     PHASE = "P0600", "A step that depends on another part of the case";
     NO_TEARDOWN = "P0601", "An instant of a teardown that the plan does not have";
     GROUP = "P0602", "An unknown group";

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::sync::Arc;
 
-use document::{Entry, Fields, Findings, Node, Table};
+use document::{Diagnostic, Entry, Fields, Findings, Node, Table};
 use signal::Span;
 
 use super::envelope::{self, EntryForm};
@@ -39,7 +39,15 @@ pub(super) fn case(document: &PlanDocument, number: u64, seed: u64, out: &mut Fi
         Some(refusal) if refusal.is_of_the_plan() => {
             let mut own = Findings::new(&document.file, codes::TOML);
             let case = whole(document, number, seed, Some(refusal.clone()), &mut own);
-            Some(case.unwrap_or_else(|| unreadable(document, &variant, refusal, own)))
+            // That the plan contradicts itself is no refusal that it can ask for.
+            let is_contradiction = |one: &Diagnostic| one.code == codes::REFUSED_AND_CLAIMS;
+            let (contradictions, found): (Vec<_>, Vec<_>) =
+                own.into_vec().into_iter().partition(is_contradiction);
+            if !contradictions.is_empty() {
+                contradictions.into_iter().for_each(|one| out.push(one));
+                return None;
+            }
+            Some(case.unwrap_or_else(|| unreadable(document, &variant, refusal, found)))
         }
         refusal => whole(document, number, seed, refusal, out),
     }
@@ -50,9 +58,9 @@ fn unreadable(
     document: &PlanDocument,
     variant: &Variant<'_>,
     mut refusal: ExpectedRefusal,
-    found: Findings,
+    found: Vec<Diagnostic>,
 ) -> Case {
-    refusal.found = found.into_vec();
+    refusal.found = found;
     let bindings = variant.bindings();
     // What is wrong is found already.
     let mut again = Findings::new(&document.file, codes::TOML);
@@ -246,7 +254,7 @@ fn claims_or_refusal(refused: &Entry, refusal: Option<&ExpectedRefusal>, claims:
             let message =
                 "a case that is refused or warned of never runs: it has nothing to claim or measure";
             let help = "give `rows` to it, or to the expectations of the rows that run";
-            out.error(codes::CLAIM, place, message, help);
+            out.error(codes::REFUSED_AND_CLAIMS, place, message, help);
         }
         _ => {}
     }
