@@ -59,6 +59,7 @@ document::codes! {
     REPEAT = "P0608", "A step that cannot come again like this";
     OCCURRENCE = "P0609", "A time that a step does not come";
     QUESTION = "P0610", "A question that cannot be asked";
+    GROUP_NOT_RUN = "P0611", "A group that no step runs";
     GUARD_STEP = "P0620", "An invariant or alarm that depends on a step";
     ALARM = "P0621", "An alarm that cannot be";
     BEYOND_CASE = "P0622", "A claim that looks beyond the end of its case";

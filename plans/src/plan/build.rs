@@ -6,9 +6,9 @@ use std::sync::Arc;
 use document::{Diagnostic, Entry, Fields, Findings, Node, Table};
 use signal::Span;
 
-use super::envelope::{self, EntryForm};
+use super::envelope::{self, EXPECTATION, EntryForm};
 use super::expand::{self, PlacedEntry};
-use super::keys::{EXPECT_KEYS, PLAN_KEYS};
+use super::keys::PLAN_KEYS;
 use super::names::CaseNames;
 use super::read::PlanDocument;
 use super::settings::SETTINGS_KEYS;
@@ -22,14 +22,6 @@ use crate::measure::{self, Measurement};
 use crate::signals;
 use crate::signals::frames::{self, PlanFrames};
 use crate::steps::ProgramRef;
-
-const EXPECTATION: EntryForm = EntryForm {
-    what: "expectation",
-    list: "expect",
-    own: EXPECT_KEYS,
-    code: codes::EXPECT_VERB,
-    alone: None,
-};
 
 /// The case of this number, with `seed` for what it leaves to chance. `None` after it reported what is wrong.
 pub(super) fn case(document: &PlanDocument, number: u64, seed: u64, out: &mut Findings) -> Option<Case> {

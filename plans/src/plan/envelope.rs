@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 
 use document::{Data, Entry, Findings, KeySpec, Node, Table, suggest};
 
+use super::keys::{EXPECT_KEYS, STEP_KEYS};
 use super::variants::PlanRow;
 use crate::codes;
 use crate::steps::CasePart;
@@ -116,6 +117,19 @@ pub(super) struct EntryForm {
     /// The own key that makes a verb unnecessary.
     pub(super) alone: Option<&'static str>,
 }
+
+/// A step.
+pub(super) const STEP: EntryForm =
+    EntryForm { what: "step", list: "steps", own: STEP_KEYS, code: codes::STEP_VERB, alone: Some("when") };
+
+/// An expectation.
+pub(super) const EXPECTATION: EntryForm = EntryForm {
+    what: "expectation",
+    list: "expect",
+    own: EXPECT_KEYS,
+    code: codes::EXPECT_VERB,
+    alone: None,
+};
 
 /// The one verb of an entry (`None` where it needs none), and its own keys as a table. Reports no verb, an unknown
 /// one and two.

@@ -150,6 +150,22 @@ fn arg(entry: &Entry, out: &mut Findings) -> Option<Arg> {
     Some(Arg { name: entry.key.clone(), default, place: entry.key_span.clone() })
 }
 
+/// Whether each group is run by one of these steps, or by a group that is.
+pub(super) fn run_by_steps(steps: &[ListEntry], groups: &[PlanGroup]) -> Vec<bool> {
+    let runs = |list: &[ListEntry]| -> Vec<usize> {
+        let names = list.iter().filter_map(|step| run_by(&step.node)?.as_text());
+        names.filter_map(|name| groups.iter().position(|group| group.name == name)).collect()
+    };
+    let mut run = vec![false; groups.len()];
+    let mut open = runs(steps);
+    while let Some(group) = open.pop() {
+        if !std::mem::replace(&mut run[group], true) {
+            open.extend(runs(&groups[group].steps));
+        }
+    }
+    run
+}
+
 /// The group that a step runs, by its name as written.
 fn run_by(step: &Node) -> Option<&Node> {
     step.as_table()?.get("run")?.as_table()?.get("group")

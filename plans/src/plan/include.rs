@@ -7,10 +7,10 @@ use std::collections::BTreeMap;
 
 use document::{Data, Diagnostic, Entry, Fields, Findings, Joined, KeyType, Node, SourceFile, Table, toml};
 
-use super::groups;
 use super::keys::INCLUDED_KEYS;
 use super::settings::SETTINGS_KEYS;
 use super::variants::Variants;
+use super::{groups, uncalled};
 use crate::codes;
 use crate::frames::can::Databases;
 use crate::signals::{self, frames};
@@ -120,7 +120,9 @@ pub fn check_included(
         document::check_value(node, SETTINGS, &KeyType::Table(SETTINGS_KEYS), &mut out);
     }
     Variants::read(&root, &[], &mut out);
-    groups::read(&root, &mut out);
+    for group in groups::read(&root, &mut out).iter().flatten() {
+        uncalled::check(group, &mut out);
+    }
     let mut found = out.into_vec();
     text.joined.locate(&mut found);
     found

@@ -18,6 +18,7 @@ mod refusal;
 mod settings;
 mod step;
 mod times;
+mod uncalled;
 mod variants;
 
 use std::ops::Range;

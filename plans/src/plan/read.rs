@@ -13,7 +13,7 @@ use super::envelope::{self, ListEntry};
 use super::groups::{self, PlanGroup};
 use super::include::{PlanText, gather};
 use super::variants::Variants;
-use super::{Case, refusal};
+use super::{Case, refusal, uncalled};
 use crate::codes;
 use crate::steps::ProgramRef;
 
@@ -204,6 +204,20 @@ fn read_joined(text: &PlanText, parameters: &[(String, String)], seed: u64) -> R
     let measure = envelope::list(&root, "measure", &variants.rows, &mut out);
     let invariants = envelope::list(&root, "invariants", &variants.rows, &mut out);
     let alarms = envelope::list(&root, "alarms", &variants.rows, &mut out);
+    for (group, is_run) in groups.iter().zip(groups::run_by_steps(&steps, &groups)) {
+        if is_run {
+            continue;
+        }
+        // What another file defines is there for those plans that use it.
+        if text.joined.is_first(group.place.start) {
+            let message =
+                format!("no step runs the group `{}`: nothing of it is done or claimed", group.name);
+            let help = format!("add a step with run = {{ group = \"{}\" }}, or remove the group", group.name);
+            out.error(codes::GROUP_NOT_RUN, group.place.clone(), message, help);
+        } else {
+            uncalled::check(group, &mut out);
+        }
+    }
     if steps.len() > MAX_STEPS {
         let message = format!("the plan has {} steps; {MAX_STEPS} is the most", steps.len());
         out.error(

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use document::{Data, Diagnostic, Entry, Fields, Findings, Node, Table};
 use signal::Span;
 
-use super::envelope::{self, EntryForm};
+use super::envelope::{self, STEP};
 use super::expand::PlacedEntry;
 use super::groups::RESERVED;
 use super::keys::{MOST_TIMES, STEP_KEYS};
@@ -19,9 +19,6 @@ use crate::lang::PlanNames;
 use crate::lang::{Anchor, AnchorBase, Literal, is_id};
 use crate::steps::CasePart;
 use crate::steps::{self, StepNames, Stimulus};
-
-const STEP: EntryForm =
-    EntryForm { what: "step", list: "steps", own: STEP_KEYS, code: codes::STEP_VERB, alone: Some("when") };
 
 /// Most times that a step comes that waits each time, where the plan does not say.
 const USUAL_TIMES: u64 = 1_000;

@@ -43,6 +43,17 @@ impl Findings {
         Findings { file: file.name.clone(), codes, list: Vec::new(), errors: 0, context: Vec::new() }
     }
 
+    /// An empty collector for the same file, with the same codes and context.
+    pub fn none_yet(&self) -> Self {
+        Findings {
+            file: self.file.clone(),
+            codes: self.codes,
+            list: Vec::new(),
+            errors: 0,
+            context: self.context.clone(),
+        }
+    }
+
     /// From now on adds these places to every finding: what led to what is looked at. None ends that.
     pub fn set_context(&mut self, places: impl IntoIterator<Item = (Range<usize>, String)>) {
         let label = |(span, text)| DiagnosticLabel { file: self.file.clone(), span, text };
