@@ -64,6 +64,7 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("R0166", "a run whose traces are lost"),
     ("R0167", "a folder that nobody may write to"),
     ("R0169", "a history that another command uses"),
+    ("R0179", "a capture of another instrument"),
     ("R0300", "a board file with a count"),
     ("R0301", "a board file with a count"),
     ("R019", "real lines"),

@@ -25,7 +25,11 @@ impl CaptureBuilder {
             unique = format!("{name}_{copy}");
             copy += 1;
         }
-        self.channels.push(CapturedChannel { name: unique, unit: unit.to_owned(), shape });
+        let shares_name = unique != name;
+        if let Some(first) = self.channels.iter_mut().find(|known| shares_name && known.name == name) {
+            first.shares_name = true;
+        }
+        self.channels.push(CapturedChannel { name: unique, shares_name, unit: unit.to_owned(), shape });
         self.last.push(None);
         Some(self.channels.len() as u32 - 1)
     }

@@ -55,6 +55,9 @@ pub enum ChannelType {
 pub struct CapturedChannel {
     /// Its name; unique in its capture.
     pub name: String,
+    /// Whether the file has several channels of this name, of which the later ones have a number after it here: the name
+    /// alone does not say which one is meant.
+    pub shares_name: bool,
     /// Its unit, empty where the file has none.
     pub unit: String,
     /// What its values look like.

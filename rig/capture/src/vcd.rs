@@ -97,6 +97,11 @@ impl VcdReader {
                     (_, 1) => ChannelType::Bit,
                     _ => ChannelType::Whole,
                 };
+                // A variable that is declared again, in another scope, is the same channel.
+                let declared = self.codes.get(&code).map_or(&[][..], Vec::as_slice);
+                if declared.iter().any(|known| self.builder.channels[*known as usize].name == name) {
+                    return Ok(());
+                }
                 let channel = self.builder.channel(&name, "", shape);
                 let channel = channel.ok_or_else(|| (too_many_channels(), "dump fewer"))?;
                 self.codes.entry(code).or_default().push(channel);

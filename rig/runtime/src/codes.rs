@@ -212,6 +212,7 @@ pub const CODES: &[(&str, &str)] = &[
     ("R0176", "A capture without a start"),
     ("R0177", "Words that are no instant of a capture"),
     ("R0178", "A mapping that is none"),
+    ("R0179", "A name that several channels of a capture have"),
     (REAL_LINES_IN_VIRTUAL_TIME, "Real lines in virtual time"),
     (NO_PRIORITY, "Real-time priority that the kernel refuses"),
     (NO_PROCESSORS, "Processors that the run cannot stay on"),

@@ -46,6 +46,10 @@ pub fn wires(
         }
         let named = |name: &str| capture.channels.iter().position(|channel| channel.name == name);
         if let Some(channel) = named(&info.name).or_else(|| named(spelled)) {
+            if capture.channels[channel].shares_name {
+                found.push(ambiguous(&capture.channels[channel].name, &info.name, capture));
+                continue;
+            }
             wires.push(ChannelMapping { channel, signal, threshold: None });
         }
     }
@@ -57,6 +61,21 @@ pub fn wires(
         }
     }
     if found.is_empty() { Ok(wires) } else { Err(found) }
+}
+
+/// That several channels have the name of a signal, so that none of them is it by its name.
+fn ambiguous(channel: &str, signal: &str, capture: &Capture) -> Diagnostic {
+    let twins = capture.channels.iter().filter(|one| {
+        one.shares_name
+            && one.name.strip_prefix(channel).is_some_and(|rest| rest.is_empty() || rest.starts_with('_'))
+    });
+    let names: Vec<&str> = twins.map(|one| one.name.as_str()).take(NAMED).collect();
+    let message = format!("{} channels of the capture have the name `{channel}`", names.len());
+    let help = format!(
+        "say which one it is: --map \"{channel}={signal}\" is the first; in the order of the file they are {}",
+        names.join(", ")
+    );
+    Diagnostic::error("R0179", message).help(help)
 }
 
 /// `CHANNEL=SIGNAL`, `CHANNEL=SIGNAL@THRESHOLD`.
