@@ -87,6 +87,7 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("R0255", "a machine with real lines"),
     ("R0270", "a board file beside the plan"),
     ("R0271", "a board file and a plan"),
+    ("R0272", "a board file beside the plan"),
     ("R0305", "a board with a generator"),
     ("R0306", "a board with a generator"),
     ("R0307", "a board with a generator"),

@@ -95,6 +95,8 @@ pub const NOT_AN_INSTRUMENT: &str = "R0255";
 pub const FRAME_NOT_CARRIED: &str = "R0270";
 /// A port that the controller of a case lacks.
 pub const PORT_MISSING: &str = "R0271";
+/// A bus that the plan's board does not have.
+pub const NO_BUS: &str = "R0272";
 /// A bench that somebody else uses.
 pub const BENCH_IN_USE: &str = "R0280";
 /// A machine without a place for locks.

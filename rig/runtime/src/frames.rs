@@ -119,6 +119,17 @@ pub fn lacks(board: &dyn Board, name: &str) -> Option<String> {
     })
 }
 
+/// What to write in place of a bus that a board has not got.
+pub fn known(board: &dyn Board, name: &str) -> String {
+    let carries = |bus: &&Bus| matches!(bus.kind, BusKind::Can { .. });
+    let names: Vec<&str> = board.bus_list().iter().filter(carries).map(|bus| bus.name.as_str()).collect();
+    match document::suggest(name, names.iter().copied()) {
+        Some(meant) => format!("did you mean `{meant}`?"),
+        None if names.is_empty() => String::from("describe one under `[buses]` of the board file"),
+        None => format!("the buses that carry frames are {}", names.join(", ")),
+    }
+}
+
 /// A frame as the board takes it; `Err` says why the bus cannot carry it.
 ///
 /// # Errors

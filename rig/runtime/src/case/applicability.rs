@@ -1,11 +1,13 @@
 //! What a plan asks for that no line of the board reaches: such a case does not apply.
 
+use crate::codes;
 use crate::frames;
 use crate::prepare::{fault_on, state_info};
 use crate::subject::external::NOT_RUNNING;
 use crate::suite::case_files::CaseFiles;
 use crate::suite::describe::show_fault;
 use controller::State;
+use document::Diagnostic;
 use drivers::{Board, BoardExt, FaultKind};
 use plans::bench::is_same_for;
 use plans::plan::{InitialState, StepCondition};
@@ -14,6 +16,51 @@ use plans::steps::Stimulus;
 use plans::{Case, PlanStep, StepTime, value_of};
 use profile::IoChannel;
 use signal::{SignalInfo, Value};
+use std::ops::Range;
+
+/// Errors in what a case says of the board that its own plan names: buses, and channels of a real controller, that this
+/// board does not have. On a board that is given in its place such a case does not apply.
+pub fn missing_of_own_board(case: &Case, files: &CaseFiles, board: &dyn Board) -> Vec<Diagnostic> {
+    let mut found: Vec<Diagnostic> = Vec::new();
+    if !files.own_board {
+        return found;
+    }
+    let mut bus = |name: &str, at: &Range<usize>| {
+        if let Some(reason) = frames::lacks(board, name)
+            && found.iter().all(|known| known.message != reason)
+        {
+            let help = frames::known(board, name);
+            found.push(
+                Diagnostic::error(codes::NO_BUS, reason).at(&files.plan.name, at.clone(), "").help(help),
+            );
+        }
+    };
+    for binding in &case.signals {
+        match &binding.source {
+            SignalSource::Frames(pattern) => bus(&pattern.bus, &binding.span),
+            SignalSource::FrameSignal(source) => bus(&source.pattern.bus, &binding.span),
+            _ => {}
+        }
+    }
+    for step in &case.steps {
+        if let Stimulus::Send(send) = &step.stimulus {
+            bus(&send.frame.bus, &step.span);
+        }
+    }
+    for binding in case.signals.iter().filter(|_| files.board.subject.is_external()) {
+        if let SignalSource::Channel(name) = &binding.source
+            && board.find(name).is_none()
+        {
+            let names = board.channels().iter().map(|channel| channel.name.as_str());
+            let help = document::suggest(name, names)
+                .map_or_else(String::new, |meant| format!("did you mean `{meant}`?"));
+            let message = format!("the board has no channel `{name}`");
+            let one = Diagnostic::error(codes::NO_CHANNEL, message);
+            found.push(one.at(&files.plan.name, binding.span.clone(), "").help(help));
+        }
+    }
+    found
+}
 
 /// Why a case does not apply to this controller on this board, if it does not.
 pub fn not_applicable_reason(case: &Case, files: &CaseFiles, board: &dyn Board) -> Option<String> {

@@ -94,10 +94,7 @@ pub(crate) fn no_verdict(files: &CaseFiles, reason: &str) -> Diagnostic {
 /// A case that runs nowhere: it holds for another profile than that of its board, or its reference is of another one.
 pub(crate) fn profile(case: &Case, files: &CaseFiles) -> Option<Diagnostic> {
     // A board that was given for this run says nothing of the others.
-    let is_own = match &case.board {
-        Some(own) => files.board.name.ends_with(own.trim_start_matches("./")),
-        None => files.board_text.is_empty(),
-    };
+    let is_own = files.own_board || case.board.is_none() && files.board_text.is_empty();
     if !is_own {
         return None;
     }

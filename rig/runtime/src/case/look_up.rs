@@ -21,6 +21,10 @@ pub(crate) fn lay_out(case: &Case, files: &CaseFiles) -> Result<PreparedCase, Ve
 pub(crate) fn look_up(case: &Case, files: &CaseFiles) -> Result<Vec<Diagnostic>, Vec<Diagnostic>> {
     let mut case = files.guarded(case)?;
     let mut stage = set_up(&case, files, None)?;
+    let missing = applicability::missing_of_own_board(&case, files, &*stage.board);
+    if !missing.is_empty() {
+        return Err(missing);
+    }
     if let Some(reason) = applicability::not_applicable_reason(&case, files, &*stage.board) {
         return Ok(vec![check::no_verdict(files, &reason)]);
     }

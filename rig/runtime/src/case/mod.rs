@@ -231,7 +231,12 @@ fn run_here(
     } else if files.board.is_real() {
         return Err(vec![in_virtual_time(&files.board)]);
     }
-    let lacks = unmet(&case, &*stage.subject, &*stage.board, Span::ZERO)
+    let missing = applicability::missing_of_own_board(&case, files, &*stage.board);
+    if !missing.is_empty() {
+        return Err(missing);
+    }
+    let lacks = unmet_operator(&case, options.operator.is_some())
+        .or_else(|| unmet(&case, &*stage.subject, &*stage.board, Span::ZERO))
         .or_else(|| applicability::not_applicable_reason(&case, files, &*stage.board).map(Unmet::Power));
     if let Some(unmet) = lacks {
         match unmet {

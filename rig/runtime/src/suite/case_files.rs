@@ -28,6 +28,8 @@ pub struct CaseFiles {
     pub board: BoardFile,
     /// Text of the board file, empty for the default board.
     pub board_text: String,
+    /// Whether the board is the one that the plan names: what it lacks is a fault of the plan then, and not of the bench.
+    pub own_board: bool,
     /// What suites and the board claim of every case.
     pub guards: Vec<Arc<GlobalChecks>>,
     /// The controller.

@@ -400,6 +400,7 @@ impl LoadedPlan {
             self.boards.iter().find(|(known, ..)| *known == path).map(|(_, board, text)| (board, text))
         });
         let given = self.board.as_ref().map(|(board, text)| (board, text));
+        let own_board = given.is_none() && own.is_some();
         let (board, board_text, reference) = match given.or(own) {
             Some((board, text)) => {
                 let reference =
@@ -432,6 +433,7 @@ impl LoadedPlan {
             others,
             board,
             board_text,
+            own_board,
             guards,
             profile: job.profile,
             reference,
