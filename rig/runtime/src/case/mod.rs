@@ -16,7 +16,7 @@ pub(crate) mod test_setup;
 use crate::application::coverage::{Collector, CoveredFile};
 use crate::case::configure::initial_state;
 use crate::case::look_up::look_up;
-use crate::case::needs::{Unmet, unmet};
+use crate::case::needs::{Unmet, unmet, unmet_operator};
 use crate::executor::clock::{Clock, HostClock, LateClock, VirtualClock};
 use crate::executor::operator::Operator;
 use crate::executor::recorder::Recorder;

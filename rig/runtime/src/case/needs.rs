@@ -16,6 +16,14 @@ pub enum Unmet {
     Instrument(String),
 }
 
+/// That the plan needs somebody who can be asked, where nobody is. A case with a question is refused before.
+pub fn unmet_operator(case: &Case, is_there: bool) -> Option<Unmet> {
+    let needs = case.needs.iter().any(|need| need.word == "operator");
+    (needs && !is_there).then(|| {
+        Unmet::Power(String::from("nobody can be asked: the run is not on a terminal, or `CI` is set"))
+    })
+}
+
 /// The first need that is not met on a rig that is `late` by so much.
 pub fn unmet(case: &Case, subject: &dyn Subject, board: &dyn Board, late: Span) -> Option<Unmet> {
     // Where the subject has no faults of its own, relays of the board may put them on its wires.
@@ -59,7 +67,7 @@ fn unmet_need(need: &Need, subject: &dyn Subject, board: &dyn Board, late: Span)
                 _ => None,
             }
         }
-        // Of the run, not of the subject: a run that nobody looks after does not begin.
+        // Of the run, not of the subject.
         ("operator" | "settings", _) => None,
         (word, _) => match Capability::find(word) {
             Some(capability) if subject.capabilities().contains(&capability) => None,
