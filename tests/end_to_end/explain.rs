@@ -76,6 +76,7 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("R0224", "real lines"),
     ("R0226", "a variable of the environment"),
     ("R0230", "a folder beside the plan"),
+    ("R0231", "a case that does not apply"),
     ("R0240", "a machine without lines"),
     ("R0241", "a chip that may not be opened"),
     ("R0242", "a machine with lines"),

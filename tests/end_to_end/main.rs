@@ -44,4 +44,5 @@ mod step;
 mod stepped_rig;
 mod stimuli;
 mod terminal;
+mod unread;
 mod verdicts;

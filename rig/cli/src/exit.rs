@@ -1,11 +1,12 @@
 //! The exit codes, a contract with scripts and CI.
 
-use record::Verdict;
+use crate::output;
+use record::{RunRecord, Verdict};
 use std::process::ExitCode;
 
 /// The exit codes, as `--help` and the README list them.
 pub const EXIT_CODES: &str = "Exit codes: 0 all passed, 1 a case failed, 2 something is wrong with your files or \
-arguments (an empty selection too), 3 inconclusive at worst, 4 an error of the rig itself, 130 interrupted after a \
+arguments (an empty selection, or no case that was judged, too), 3 inconclusive at worst, 4 an error of the rig itself, 130 interrupted after a \
 clean teardown.";
 
 /// How a command ended.
@@ -15,7 +16,7 @@ pub enum ExitStatus {
     Passed,
     /// A case failed.
     Failed,
-    /// Something is wrong with the user's files or arguments; nothing selected too.
+    /// Something is wrong with the user's files or arguments; nothing selected, and no case judged, too.
     UserFiles,
     /// Inconclusive at worst.
     Inconclusive,
@@ -38,7 +39,28 @@ impl ExitStatus {
         }
     }
 
-    /// The exit of a run that came to this.
+    /// The exit of a run. One in which no case was judged says nothing of the controller: that is no pass, but for a part
+    /// of a suite, whose other parts have the cases. Why is printed.
+    pub fn of_run(run: &RunRecord) -> ExitStatus {
+        let (totals, verdict) = (&run.totals, run.verdict());
+        if totals.judged() > 0 {
+            return ExitStatus::of(verdict);
+        }
+        if run.shard.is_some() {
+            output::note(
+                "no case of this part was judged: `rig report --merge` ends by the verdict of all parts",
+            );
+            return ExitStatus::Passed;
+        }
+        let message = match totals.not_applicable {
+            1 => String::from("no case was judged: the only one does not apply here"),
+            count => format!("no case was judged: none of {count} applies here"),
+        };
+        let help = "the line of each case says why with `--status-level all`; select other cases, or name a board that has what they need";
+        output::refuse("R0231", message, help)
+    }
+
+    /// The exit of what came to this.
     pub const fn of(verdict: Verdict) -> ExitStatus {
         match verdict {
             Verdict::Pass | Verdict::None => ExitStatus::Passed,

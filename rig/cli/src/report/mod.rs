@@ -85,7 +85,7 @@ fn merge_all(args: &ReportArgs, forms: &[ReportFormat]) -> Result<ExitStatus, Ve
     let style = reports::text::Style { color: output::color_out(), quiet: false };
     output::print(&format!("{}\n", reports::text::summary(&whole, style).trim_end()));
     print_written(&store, forms);
-    Ok(ExitStatus::of(whole.verdict()))
+    Ok(ExitStatus::of_run(&whole))
 }
 
 /// Says where the page is, or whatever was drawn first.

@@ -207,7 +207,7 @@ impl RunCollector {
         if INTERRUPT.load(Ordering::Relaxed) {
             return ExitStatus::Interrupted;
         }
-        if self.wrong_files { ExitStatus::UserFiles } else { ExitStatus::of(self.run.verdict()) }
+        if self.wrong_files { ExitStatus::UserFiles } else { ExitStatus::of_run(&self.run) }
     }
 }
 
