@@ -9,6 +9,7 @@ mod limits;
 mod oracle;
 mod oracle_courses;
 mod oracle_trains;
+mod oracle_unseen;
 mod oracle_values;
 mod policies;
 mod reading;

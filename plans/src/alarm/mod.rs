@@ -20,7 +20,9 @@ use crate::expect::GlobalCheck;
 use crate::expect::{Expectation, FilePlace, TraceClaim, condition::ValueCondition, known, meant};
 use crate::lang::{Anchor, Literal};
 use crate::meaning::exact;
-use crate::monitor::{CaseTimeline, Monitor, NotJudged, Number, TraceSignals, UncertainWindow, blind, slack};
+use crate::monitor::{
+    CaseTimeline, Monitor, NotJudged, Number, PulseRule, TraceSignals, UncertainWindow, slack,
+};
 
 pub use rule::{AlarmRule, ConditionState};
 pub use watch::AlarmWatch;
@@ -136,6 +138,10 @@ impl TraceClaim for Alarm {
         }
     }
 
+    fn pulses(&self, _: &SignalInfo) -> PulseRule {
+        PulseRule::breaks(Some(self.delay)).weighed("delay")
+    }
+
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let window = match scene.window(&Anchor::START, &Anchor::END) {
@@ -147,14 +153,6 @@ impl TraceClaim for Alarm {
             window => window?,
         };
         let rule = self.rule(info).map_err(NotJudged::NoMeaning)?;
-        let missed = blind(info, Some(self.delay));
-        Ok(Box::new(monitor::AlarmMonitor::new(
-            self,
-            rule,
-            info,
-            window,
-            missed,
-            scene.is_open(&Anchor::END),
-        )))
+        Ok(Box::new(monitor::AlarmMonitor::new(self, rule, info, window, scene.is_open(&Anchor::END))))
     }
 }

@@ -8,7 +8,7 @@ use record::Figure;
 use signal::{SignalInfo, Span, Value};
 
 use super::{Alarm, AlarmRule, ConditionState};
-use crate::expect::{blind_words, delay_words, span_range, unclear};
+use crate::expect::{delay_words, span_range, unclear};
 use crate::lang::Anchor;
 use crate::monitor::{Finding, Monitor, TimedValue, UncertainWindow};
 
@@ -28,8 +28,6 @@ pub(super) struct AlarmMonitor {
     rule: AlarmRule,
     info: SignalInfo,
     window: UncertainWindow,
-    /// What the channel can miss that would matter.
-    missed: Option<Span>,
     /// The end of the case is still to come.
     open: bool,
     phase: ConditionState,
@@ -52,7 +50,6 @@ impl AlarmMonitor {
         rule: AlarmRule,
         info: &SignalInfo,
         window: UncertainWindow,
-        missed: Option<Span>,
         open: bool,
     ) -> AlarmMonitor {
         AlarmMonitor {
@@ -60,7 +57,6 @@ impl AlarmMonitor {
             rule,
             info: info.clone(),
             window,
-            missed,
             open,
             phase: ConditionState::Unknown,
             certain: None,
@@ -186,7 +182,7 @@ impl Monitor for AlarmMonitor {
         self.end_possible(None);
         let mut finding = Finding {
             can_hold: self.raised.is_none(),
-            can_break: self.raised.is_some() || self.doubtful.is_some() || self.missed.is_some(),
+            can_break: self.raised.is_some() || self.doubtful.is_some(),
             window: Some(self.window.shown()),
             ..Finding::default()
         };
@@ -195,20 +191,19 @@ impl Monitor for AlarmMonitor {
             Some(lasted) => self.described(lasted),
             None => String::from("it was not raised"),
         };
-        finding.reason = match (&self.raised, &self.doubtful, self.missed) {
-            (Some(lasted), ..) => self.raised_words(lasted),
-            (None, Some(doubtful), _)
+        finding.reason = match (&self.raised, &self.doubtful) {
+            (Some(lasted), _) => self.raised_words(lasted),
+            (None, Some(doubtful))
                 if matches!(doubtful.start.value, Value::Unknown | Value::Measured(..))
                     && self.rule.next(ConditionState::Off, doubtful.start.value)
                         == ConditionState::Unknown =>
             {
                 unclear(&self.info, doubtful.start.value, "the case")
             }
-            (None, Some(_), _) => {
+            (None, Some(_)) => {
                 String::from("whether it lasted long enough is within the uncertainty of the instants")
             }
-            (None, None, Some(missed)) => blind_words(&self.info, missed),
-            (None, None, None) => String::new(),
+            (None, None) => String::new(),
         };
         let delay = self.alarm.delay.as_nanos();
         finding.margin = match (&shown, self.nearest) {

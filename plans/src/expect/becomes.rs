@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use document::Fields;
 
-use super::common::{FROM, SIGNAL, signal};
+use super::common::{FROM, LONGER, SIGNAL, signal};
 use super::condition::{IS, MAX, MIN, ONE_OF, ValueCondition};
 use super::first_edge::{FirstEdgeKind, WITHIN, read_delay};
 use super::{ExpectVerb, ReadContext, TraceClaim};
@@ -18,7 +18,7 @@ use super::{ExpectVerb, ReadContext, TraceClaim};
 pub(super) const BECOMES: ExpectVerb = ExpectVerb {
     name: "becomes",
     doc: "The first time after an instant that a signal comes to have a value is within its limits",
-    keys: &[SIGNAL, IS, ONE_OF, MIN, MAX, FROM, WITHIN],
+    keys: &[SIGNAL, IS, ONE_OF, MIN, MAX, FROM, WITHIN, LONGER],
     read,
 };
 

@@ -19,11 +19,12 @@ pub(super) const UNTIL: KeySpec =
 /// The instant at which a value counts.
 pub(super) const WHEN: KeySpec =
     KeySpec::optional("when", KeyType::Anchor, "The instant that counts; `end` if left out");
-/// What a sampled channel may miss.
-pub(super) const LONGER: KeySpec = KeySpec::optional(
+/// The pulses that count.
+pub(crate) const LONGER: KeySpec = KeySpec::optional(
     "pulses-longer-than",
     KeyType::Duration,
-    "Only pulses longer than this count; needed for a pass on a channel that is sampled and can miss short ones",
+    "Only pulses longer than this count, of either level; a channel that is sampled needs it where short ones that go unseen \
+     could matter",
 );
 
 /// A window of the plan.
@@ -216,14 +217,6 @@ pub(crate) fn delay_words(delay: (i64, i64), anchor: &Anchor) -> String {
 pub(super) fn width(interval: (i64, i64)) -> Option<record::Figure> {
     let width = interval.1.saturating_sub(interval.0);
     (width > 0).then(|| record::Figure::span(Span::from_nanos(width)))
-}
-
-/// A channel that can miss pulses, in words for a reason.
-pub(crate) fn blind_words(info: &SignalInfo, missed: Span) -> String {
-    format!(
-        "`{}` is only sampled: pulses up to {missed} can go unseen; state `pulses-longer-than`",
-        info.name
-    )
 }
 
 /// That what a signal had was no evidence, in words for a reason: it was not known, or too near to a limit.

@@ -11,14 +11,14 @@ use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
 use signal::{SignalInfo, Value};
 
-use super::common::{FROM, LONGER, PlanWindow, SIGNAL, UNTIL, blind_words, count_range, counts, signal};
+use super::common::{FROM, LONGER, PlanWindow, SIGNAL, UNTIL, count_range, counts, signal};
 use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::codes;
 use crate::lang::Anchor;
 use crate::monitor::count::{CountResult, EdgeCounter};
 use crate::monitor::edges::{CountedEdge, EdgeFinder};
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow, blind, slack,
+    CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, UncertainWindow, slack,
 };
 
 /// `edges`.
@@ -72,7 +72,7 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceCl
         cx.out.bad(codes::CLAIM, node, message, "give a least or a greatest number");
         return None;
     }
-    let longer_than = fields.duration("pulses-longer-than");
+    let longer_than = fields.duration(LONGER.name);
     let (signal, between) = (signal?, between?);
     Some(Arc::new(EdgesClaim { signal, rising, falling, between, longer_than, entries: false }))
 }
@@ -124,6 +124,10 @@ impl TraceClaim for EdgesClaim {
         (!self.entries).then_some(0.0)
     }
 
+    fn pulses(&self, _: &SignalInfo) -> PulseRule {
+        PulseRule::decides(self.longer_than)
+    }
+
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let window = scene.window(&self.between.from, &self.between.until)?;
@@ -134,7 +138,6 @@ impl TraceClaim for EdgesClaim {
             rises: finder(CountedEdge::Rises),
             falls: finder(CountedEdge::Falls),
             counter: EdgeCounter::new(window),
-            missed: blind(info, self.longer_than).map(|span| blind_words(info, span)),
             info: info.clone(),
             open: scene.is_open(&self.between.until),
             deciding: None,
@@ -151,7 +154,6 @@ struct EdgesMonitor {
     rises: EdgeFinder,
     falls: EdgeFinder,
     counter: EdgeCounter,
-    missed: Option<String>,
     /// The end of the window is still to come.
     open: bool,
     /// The edge that is one too many, else the last one.
@@ -235,13 +237,13 @@ impl EdgesMonitor {
             range.is_none_or(|range| range.0 <= seen.1 && seen.0 <= range.1)
         };
         // Unseen pulses can only add edges.
-        let more = counted.hidden || self.missed.is_some();
-        let can_hold = match (more, counted.exact) {
-            (true, _) => counted.counts.iter().any(may_be),
+        let few_enough = counted.counts.iter().any(may_be);
+        let can_hold = match (counted.hidden, counted.exact) {
+            (true, _) => few_enough,
             (false, true) => counted.counts.iter().any(right),
             (false, false) => overlaps(self.claim.rising, rising) && overlaps(self.claim.falling, falling),
         };
-        let can_break = more || !counted.exact || !counted.counts.iter().all(right);
+        let can_break = counted.hidden || !counted.exact || !counted.counts.iter().all(right);
         let part =
             |wanted: bool, seen: Range, word: &str| wanted.then(|| format!("{} {word}", count_range(seen)));
         let risen = if self.claim.entries { "added" } else { "rising" };
@@ -262,6 +264,7 @@ impl EdgesMonitor {
         let mut finding = Finding {
             can_hold,
             can_break,
+            beyond_help: !few_enough,
             observed: parts.join(" and "),
             margin: margin.map(|margin| Figure::new(margin, noun)),
             uncertainty: (spread > 0).then(|| Figure::new(spread as f64, noun)),
@@ -271,12 +274,9 @@ impl EdgesMonitor {
         finding.reason = match (can_hold, counted.hidden) {
             (false, _) => format!("there were {}", parts.join(" and ")),
             (true, true) => format!("`{}` is not known for a part of the window", self.info.name),
-            (true, false) => match &self.missed {
-                Some(missed) => missed.clone(),
-                None => String::from(
-                    "which edges lie in the window is open within the uncertainty of the instants",
-                ),
-            },
+            (true, false) => {
+                String::from("which edges lie in the window is open within the uncertainty of the instants")
+            }
         };
         let shown = self.rises.value().map(|value: Value| self.info.show(value));
         if let (Some(value), true) = (shown, counted.counts.iter().all(|counts| *counts == (0, 0))) {

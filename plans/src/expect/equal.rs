@@ -19,8 +19,8 @@ use crate::lang::{Anchor, Literal};
 use crate::meaning::number;
 use crate::monitor::reading::{Candidate, ValueReader};
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, Number, TimedValue, TraceSignals, Truth, UncertainInstant,
-    slack,
+    CaseTimeline, Finding, Monitor, NotJudged, Number, PulseRule, TimedValue, TraceSignals, Truth,
+    UncertainInstant, slack,
 };
 
 /// `equal`.
@@ -126,6 +126,10 @@ impl TraceClaim for EqualClaim {
             demands.push(ClaimDemand::Differ(&self.left.signal, &self.right.signal));
         }
         demands
+    }
+
+    fn pulses(&self, _: &SignalInfo) -> PulseRule {
+        PulseRule::SEEN
     }
 
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {

@@ -13,14 +13,15 @@ use record::Figure;
 use signal::{SignalInfo, Span, Value};
 
 use super::common::{
-    FROM, SIGNAL, SingleSpan, SpanLimits, anchor, delay_words, signal, span_range, spans, width,
+    FROM, LONGER, SIGNAL, SingleSpan, SpanLimits, anchor, delay_words, signal, span_range, spans, width,
 };
 use super::condition::ValueCondition;
 use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::lang::Anchor;
 use crate::monitor::edges::{CountedEdge, Delay, EdgeFinder, FirstEdge, FoundEdge, LAST};
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainInstant, slack,
+    CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, UncertainInstant,
+    UnseenPulses, slack,
 };
 
 /// How late the edge may be.
@@ -30,7 +31,7 @@ pub(super) const WITHIN: KeySpec = KeySpec::optional(
     "The delay from `from` that is allowed, both limits included: \"100 ms .. 100.3 ms\", or \"5 ms\" for at most that",
 );
 
-const KEYS: &[KeySpec] = &[SIGNAL, FROM, WITHIN];
+const KEYS: &[KeySpec] = &[SIGNAL, FROM, WITHIN, LONGER];
 
 /// `rises`.
 pub(super) const RISES: ExpectVerb = ExpectVerb {
@@ -121,6 +122,7 @@ pub(super) struct FirstEdgeClaim {
     pub(super) kind: FirstEdgeKind,
     pub(super) from: Anchor,
     pub(super) within: Option<SpanLimits>,
+    pub(super) longer_than: Option<Span>,
 }
 
 fn read(fields: &Fields<'_>, kind: FirstEdgeKind, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
@@ -141,7 +143,8 @@ pub(super) fn read_delay(
         None if fields.has("within") => return None,
         None => None,
     };
-    Some(Arc::new(FirstEdgeClaim { signal: signal?, kind, from: from?, within }))
+    let longer_than = fields.duration(LONGER.name);
+    Some(Arc::new(FirstEdgeClaim { signal: signal?, kind, from: from?, within, longer_than }))
 }
 
 impl TraceClaim for FirstEdgeClaim {
@@ -180,6 +183,17 @@ impl TraceClaim for FirstEdgeClaim {
             demands.push(ClaimDemand::Value { signal: &self.signal, condition, forbidden: false });
         }
         demands
+    }
+
+    fn pulses(&self, info: &SignalInfo) -> PulseRule {
+        let level = match self.kind.bind(info) {
+            Ok(CountedEdge::Becomes(test)) => Some(test),
+            _ => None,
+        };
+        // An edge that nobody saw could have come first: too early, where there is a least delay.
+        let early = self.within.is_some_and(|(least, _)| least > 0);
+        let unseen = if early { UnseenPulses::Break } else { UnseenPulses::Nothing };
+        PulseRule { unseen, ..PulseRule::breaks(self.longer_than) }.of_level(level)
     }
 
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {

@@ -14,15 +14,15 @@ use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
 use signal::{SignalInfo, Span, Value, ValueKind};
 
-use super::common::{FROM, PlanWindow, SIGNAL, UNTIL, blind_words, signal};
+use super::common::{FROM, PlanWindow, SIGNAL, UNTIL, signal};
 use super::condition::{ValueCondition, literal};
 use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim, keeps};
 use crate::codes;
 use crate::lang::{Anchor, Literal};
 use crate::meaning::number;
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, Number, TimedValue, TraceSignals, Truth, UncertainWindow,
-    blind, slack,
+    CaseTimeline, Finding, Monitor, NotJudged, Number, PulseRule, TimedValue, TraceSignals, Truth,
+    UncertainWindow, slack,
 };
 
 /// `follows`.
@@ -129,13 +129,14 @@ impl TraceClaim for Follows {
         vec![ClaimDemand::Differ(&self.signal, &self.leader), self.between.demand()]
     }
 
+    fn pulses(&self, _: &SignalInfo) -> PulseRule {
+        PulseRule::breaks(self.within).weighed("within")
+    }
+
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let leader = scene.signal(&self.leader)?;
         let limit = self.limit(info).map_err(NotJudged::NoMeaning)?;
-        let missed = [info, leader]
-            .into_iter()
-            .find_map(|info| blind(info, self.within).map(|span| blind_words(info, span)));
         // The distance as a signal of its own, which must never be too large.
         let mut distance = SignalInfo::exact("distance", ValueKind::State);
         distance.labels = vec![(0, String::from("close")), (1, self.apart())];
@@ -160,7 +161,6 @@ impl TraceClaim for Follows {
             last: None,
             greatest: None,
             longest: 0,
-            missed,
         }))
     }
 }
@@ -199,7 +199,6 @@ struct FollowsMonitor {
     greatest: Option<f64>,
     /// The longest time at a stretch, nanoseconds, that they can be too far apart in the window.
     longest: i64,
-    missed: Option<String>,
 }
 
 impl FollowsMonitor {
@@ -302,14 +301,8 @@ impl Monitor for FollowsMonitor {
     fn finish(mut self: Box<Self>) -> Finding {
         self.advance(true);
         self.until(self.end);
-        let FollowsMonitor { inner, missed, greatest, longest, within, limit, slack, unit, .. } = *self;
+        let FollowsMonitor { inner, greatest, longest, within, limit, slack, unit, .. } = *self;
         let mut finding = inner.finish();
-        if let Some(missed) = missed {
-            if !finding.can_break {
-                finding.reason = missed;
-            }
-            finding.can_break = true;
-        }
         // The words are of a signal that the plan does not have.
         finding.reason = finding.reason.replacen("it was", "they were", 1);
         if let (false, Some(apart)) = (finding.can_break, greatest) {

@@ -23,7 +23,7 @@ use crate::monitor::edges::{CountedEdge, EdgeFinder};
 use crate::monitor::gaps::{GapResult, Gaps};
 use crate::monitor::pulses::FigureChain;
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow, slack,
+    CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, UncertainWindow, slack,
 };
 
 /// `frames`.
@@ -131,6 +131,10 @@ impl TraceClaim for FramesClaim {
         let wanted = self.count.is_some_and(|count| count.0 > 0) || self.cycle.is_some();
         let change = wanted.then_some(ClaimDemand::Change(&self.signal));
         change.into_iter().chain([self.between.demand()]).collect()
+    }
+
+    fn pulses(&self, _: &SignalInfo) -> PulseRule {
+        PulseRule::decides(None)
     }
 
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {

@@ -9,14 +9,16 @@ use std::sync::Arc;
 
 use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
-use signal::Span;
+use signal::{SignalInfo, Span};
 
 use super::common::{FROM, SingleSpan, SpanLimits, anchor, delay_words, span_range, spans, width};
 use super::first_edge::WITHIN;
 use super::{ExpectVerb, Expectation, FilePlace, ReadContext, TraceClaim};
 use crate::lang::{Anchor, AnchorBase};
 use crate::monitor::edges::{FirstEdge, FoundEdge};
-use crate::monitor::{CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainInstant};
+use crate::monitor::{
+    CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, UncertainInstant,
+};
 
 /// `happens`.
 pub(super) const HAPPENS: ExpectVerb = ExpectVerb {
@@ -89,6 +91,10 @@ impl TraceClaim for HappensClaim {
 
     fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         super::known(&self.signals()[0], wiring, out);
+    }
+
+    fn pulses(&self, _: &SignalInfo) -> PulseRule {
+        PulseRule::SEEN
     }
 
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {

@@ -14,7 +14,7 @@ use record::Figure;
 use signal::{SignalInfo, Span};
 
 use super::band::{FigureBand, IS_RANGE, shown};
-use super::common::{FROM, LONGER, PlanWindow, SIGNAL, UNTIL, blind_words, count_range, delay_words, signal};
+use super::common::{FROM, LONGER, PlanWindow, SIGNAL, UNTIL, count_range, delay_words, signal};
 use super::condition::{MAX, MIN};
 use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::codes;
@@ -22,7 +22,7 @@ use crate::lang::{Anchor, millihertz};
 use crate::monitor::edges::CountedEdge;
 use crate::monitor::jitter::{Grid, Jitter, JitterQuery, JitterReference, JitterResult};
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow, blind, slack,
+    CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, UncertainWindow, slack,
 };
 
 /// What is compared.
@@ -97,7 +97,7 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceCl
         Some("changes") => CountedEdge::Changes,
         _ => CountedEdge::Rises,
     };
-    let longer_than = fields.duration("pulses-longer-than");
+    let longer_than = fields.duration(LONGER.name);
     Some(Arc::new(JitterClaim { signal: signal?, asked: asked?, edge, band, between: between?, longer_than }))
 }
 
@@ -178,6 +178,10 @@ impl TraceClaim for JitterClaim {
         Some(0.0)
     }
 
+    fn pulses(&self, _: &SignalInfo) -> PulseRule {
+        PulseRule::decides(self.longer_than)
+    }
+
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let window = scene.window(&self.between.from, &self.between.until)?;
@@ -186,7 +190,6 @@ impl TraceClaim for JitterClaim {
             info: info.clone(),
             window,
             jitter: Jitter::new(self.asked, self.edge.clone(), window, slack(info)),
-            missed: blind(info, self.longer_than).map(|span| blind_words(info, span)),
         }))
     }
 }
@@ -197,7 +200,6 @@ struct JitterMonitor {
     info: SignalInfo,
     window: UncertainWindow,
     jitter: Jitter,
-    missed: Option<String>,
 }
 
 impl Monitor for JitterMonitor {
@@ -207,8 +209,8 @@ impl Monitor for JitterMonitor {
     }
 
     fn finish(self: Box<Self>) -> Finding {
-        let JitterMonitor { claim, info, window, jitter, missed } = *self;
-        finding(&claim, &info, &window, &jitter.finish(), missed)
+        let JitterMonitor { claim, info, window, jitter } = *self;
+        finding(&claim, &info, &window, &jitter.finish())
     }
 }
 
@@ -217,20 +219,18 @@ fn finding(
     info: &SignalInfo,
     window: &UncertainWindow,
     found: &JitterResult,
-    missed: Option<String>,
 ) -> Finding {
     // Edges that are hidden can make any figure.
-    let open = found.doubtful || missed.is_some();
+    let open = found.doubtful;
     let mut finding = Finding {
         can_hold: open,
         can_break: open || found.can_be_missing,
         window: Some(window.shown()),
         ..Finding::default()
     };
-    let unclear = || match (&missed, found.doubtful) {
-        (_, true) => format!("`{}` is not known for a part of the window", info.name),
-        (Some(missed), false) => missed.clone(),
-        (None, false) => String::from("the uncertainty of the instants reaches over a limit"),
+    let unclear = || match found.doubtful {
+        true => format!("`{}` is not known for a part of the window", info.name),
+        false => String::from("the uncertainty of the instants reaches over a limit"),
     };
     let Some(extent) = found.extent else {
         finding.observed = format!("fewer than three edges{}", claim.between.words());

@@ -12,14 +12,14 @@ use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
 use signal::{SignalInfo, Span, Value};
 
-use super::common::{FROM, LONGER, PlanWindow, SIGNAL, UNTIL, blind_words, signal, span_range, width};
+use super::common::{FROM, LONGER, PlanWindow, SIGNAL, UNTIL, signal, span_range, width};
 use super::condition::{IS, MAX, MIN, ONE_OF, ValueCondition};
 use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::codes;
 use crate::lang::Anchor;
 use crate::monitor::segments::{Breach, SegmentJudgement, SegmentResult, Weight};
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, Truth, ValueTest, blind, slack,
+    CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, Truth, ValueTest, slack,
 };
 
 /// `stays`.
@@ -83,7 +83,7 @@ pub(super) fn read_window(
     cx: &mut ReadContext<'_>,
 ) -> Option<Arc<dyn TraceClaim>> {
     let between = PlanWindow::read(fields, cx);
-    let longer_than = fields.duration("pulses-longer-than");
+    let longer_than = fields.duration(LONGER.name);
     let signals = vec![signal?];
     Some(Arc::new(Keeps { signals, condition: condition?, forbidden: false, between: between?, longer_than }))
 }
@@ -104,7 +104,7 @@ fn read_never(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn T
         return super::pairs::claim(signals, condition, fields, cx);
     }
     let between = PlanWindow::read(fields, cx);
-    let longer_than = fields.duration("pulses-longer-than");
+    let longer_than = fields.duration(LONGER.name);
     Some(Arc::new(Keeps { signals, condition: condition?, forbidden: true, between: between?, longer_than }))
 }
 
@@ -151,8 +151,8 @@ impl Keeps {
         let test = self.test(info).map_err(NotJudged::NoMeaning)?;
         let watched = vec![KeptSignal { test, slack: slack(info), info: info.clone() }];
         let open = scene.is_open(&self.between.until);
-        let common = Common { claim: self.clone(), watched, segments, missed: None, open, end: scene.end() };
-        Ok(Box::new(SingleSignalMonitor { common, last: None, extreme: None, run: None }))
+        let common = Common { claim: self.clone(), watched, segments, open, end: scene.end() };
+        Ok(Box::new(SingleSignalMonitor::new(common)))
     }
 
     fn subject(&self) -> String {
@@ -197,24 +197,26 @@ impl TraceClaim for Keeps {
         value.into_iter().chain([self.between.demand()]).collect()
     }
 
+    fn pulses(&self, _: &SignalInfo) -> PulseRule {
+        PulseRule::breaks(self.longer_than).weighed(LONGER.name)
+    }
+
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let window = scene.window(&self.between.from, &self.between.until)?;
         let mut watched = Vec::new();
-        let mut missed = None;
         for name in &self.signals {
             let info = scene.signal(name)?;
             let test = self.test(info).map_err(NotJudged::NoMeaning)?;
             watched.push(KeptSignal { test, slack: slack(info), info: info.clone() });
-            missed = missed.or_else(|| blind(info, self.longer_than).map(|span| blind_words(info, span)));
         }
         let open = scene.is_open(&self.between.until);
         let segments = SegmentJudgement::new(window);
-        let common = Common { claim: self.clone(), watched, segments, missed, open, end: scene.end() };
+        let common = Common { claim: self.clone(), watched, segments, open, end: scene.end() };
         if self.signals.len() > 1 {
             let lags = self.signals.iter().map(|name| scene.lag(name)).collect();
             return Ok(super::together::start(common, lags));
         }
-        Ok(Box::new(SingleSignalMonitor { common, last: None, extreme: None, run: None }))
+        Ok(Box::new(SingleSignalMonitor::new(common)))
     }
 }
 
@@ -230,8 +232,6 @@ pub(super) struct Common {
     pub(super) claim: Keeps,
     pub(super) watched: Vec<KeptSignal>,
     pub(super) segments: SegmentJudgement,
-    /// Why short breaches can have gone unseen.
-    pub(super) missed: Option<String>,
     /// The end of the window is still to come.
     pub(super) open: bool,
     /// The end of the case: what lasts until then has no known width.
@@ -268,7 +268,7 @@ impl Common {
         let kept = self.segments.finish();
         let mut finding = Finding {
             can_hold: kept.can_hold,
-            can_break: kept.can_break || self.missed.is_some(),
+            can_break: kept.can_break,
             window: Some(self.segments.window().shown()),
             bounds: self.bounds(),
             ..Finding::default()
@@ -345,7 +345,7 @@ impl Common {
                 self.were(),
                 self.show(breach.value)
             ),
-            None => self.missed.clone().unwrap_or_default(),
+            None => String::new(),
         }
     }
 
@@ -402,6 +402,10 @@ struct Run {
 }
 
 impl SingleSignalMonitor {
+    fn new(common: Common) -> SingleSignalMonitor {
+        SingleSignalMonitor { common, last: None, extreme: None, run: None }
+    }
+
     /// The last value lasted until here.
     fn extent(&mut self, end: i64) {
         let Some(last) = self.last else { return };

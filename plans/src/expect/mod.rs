@@ -41,14 +41,15 @@ use std::sync::Arc;
 
 use document::{Diagnostic, Fields, Findings, KeySpec};
 use record::ClaimOrigin;
+use signal::SignalInfo;
 
 use crate::codes;
 use crate::lang::{Anchor, PlanNames};
-use crate::monitor::{CaseTimeline, Monitor, NotJudged, TraceSignals};
+use crate::monitor::{CaseTimeline, Monitor, NotJudged, PulseRule, TraceSignals};
 
 pub use demand::ClaimDemand;
 
-pub(crate) use common::{PlanWindow, blind_words, delay_words, span_range, unclear};
+pub(crate) use common::{LONGER, PlanWindow, delay_words, span_range, unclear};
 pub(crate) use condition::literal;
 
 /// A verb of `expect`: `{ falls = { signal = ... } }`.
@@ -132,6 +133,8 @@ pub trait TraceClaim: Debug + Send + Sync {
     fn counts(&self) -> Option<f64> {
         None
     }
+    /// How it looks at the pulses of one of its signals: what those that nobody saw could do to its answer.
+    fn pulses(&self, info: &SignalInfo) -> PulseRule;
     /// Starts judging; every instant that the claim depends on is known by now, or known not to have come.
     ///
     /// # Errors
@@ -180,7 +183,7 @@ pub(crate) fn known<'a>(
     name: &str,
     wiring: &TraceSignals<'a>,
     out: &mut Vec<Diagnostic>,
-) -> Option<&'a signal::SignalInfo> {
+) -> Option<&'a SignalInfo> {
     let found = wiring.find(name);
     if found.is_none() {
         let names = wiring.signals.iter().map(|info| info.name.as_str());

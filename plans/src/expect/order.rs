@@ -10,15 +10,15 @@ use std::sync::Arc;
 
 use document::{Data, Diagnostic, Fields, KeySpec, KeyType, Node};
 use record::Figure;
-use signal::Span;
+use signal::{SignalInfo, Span};
 
-use super::common::{FROM, anchor, delay_words};
+use super::common::{FROM, LONGER, anchor, delay_words};
 use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::codes;
 use crate::lang::Anchor;
 use crate::monitor::edges::{CountedEdge, Delay, EdgeFinder, FirstEdge};
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainInstant, slack,
+    CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, UncertainInstant, slack,
 };
 
 /// `order`.
@@ -32,6 +32,7 @@ pub(super) const ORDER: ExpectVerb = ExpectVerb {
             "Two or more of `signal rises`, `signal falls`, `signal changes`",
         ),
         FROM,
+        LONGER,
     ],
     read,
 };
@@ -44,6 +45,7 @@ const MOST: usize = 32;
 struct OrderClaim {
     edges: Vec<(String, CountedEdge)>,
     from: Anchor,
+    longer_than: Option<Span>,
 }
 
 fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
@@ -58,7 +60,8 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceCl
     for node in list {
         edges.push(read_edge(node, cx)?);
     }
-    Some(Arc::new(OrderClaim { edges, from: from? }))
+    let longer_than = fields.duration(LONGER.name);
+    Some(Arc::new(OrderClaim { edges, from: from?, longer_than }))
 }
 
 /// Reads `signal rises`.
@@ -112,6 +115,10 @@ impl TraceClaim for OrderClaim {
     fn demands(&self) -> Vec<ClaimDemand<'_>> {
         let changes = self.edges.iter().map(|(signal, _)| ClaimDemand::Change(signal));
         changes.chain([ClaimDemand::At(&self.from)]).collect()
+    }
+
+    fn pulses(&self, _: &SignalInfo) -> PulseRule {
+        PulseRule::breaks(self.longer_than)
     }
 
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {

@@ -6,13 +6,14 @@
 use std::sync::Arc;
 
 use document::{Diagnostic, Fields};
+use signal::SignalInfo;
 
-use super::common::PlanWindow;
+use super::common::{LONGER, PlanWindow};
 use super::condition::ValueCondition;
 use super::keeps::Keeps;
 use super::{ClaimDemand, ReadContext, TraceClaim};
 use crate::lang::Anchor;
-use crate::monitor::{CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals};
+use crate::monitor::{CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals};
 
 /// The claim.
 #[derive(Clone, Debug)]
@@ -31,7 +32,7 @@ pub(super) fn claim(
 ) -> Option<Arc<dyn TraceClaim>> {
     let between = PlanWindow::read(fields, cx)?;
     let condition = condition?;
-    let longer_than = fields.duration("pulses-longer-than");
+    let longer_than = fields.duration(LONGER.name);
     let mut pairs = Vec::new();
     for one in 0..signals.len() {
         for other in one + 1..signals.len() {
@@ -75,6 +76,10 @@ impl TraceClaim for PairsClaim {
 
     fn demands(&self) -> Vec<ClaimDemand<'_>> {
         self.pairs.first().map_or_else(Vec::new, |(_, _, pair)| vec![pair.between.demand()])
+    }
+
+    fn pulses(&self, info: &SignalInfo) -> PulseRule {
+        self.pairs.first().map_or(PulseRule::breaks(None), |(_, _, pair)| pair.pulses(info))
     }
 
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {

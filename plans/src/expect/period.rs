@@ -12,8 +12,8 @@ use record::Figure;
 use signal::{SignalInfo, Span};
 
 use super::common::{
-    FROM, LONGER, PlanWindow, SIGNAL, SingleSpan, SpanLimits, UNTIL, blind_words, delay_words, signal,
-    span_range, spans, width,
+    FROM, LONGER, PlanWindow, SIGNAL, SingleSpan, SpanLimits, UNTIL, delay_words, signal, span_range, spans,
+    width,
 };
 use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::codes;
@@ -21,7 +21,7 @@ use crate::lang::Anchor;
 use crate::monitor::edges::{CountedEdge, EdgeFinder};
 use crate::monitor::pulses::FigureChain;
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow, blind, slack,
+    CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, UncertainWindow, slack,
 };
 
 /// `period`.
@@ -77,7 +77,7 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceCl
         Some("changes") => CountedEdge::Changes,
         _ => CountedEdge::Rises,
     };
-    let longer_than = fields.duration("pulses-longer-than");
+    let longer_than = fields.duration(LONGER.name);
     Some(Arc::new(PeriodClaim { signal: signal?, edge, limits, between: between?, longer_than }))
 }
 
@@ -118,13 +118,16 @@ impl TraceClaim for PeriodClaim {
         Some(1e9 / self.limits.1.max(1) as f64)
     }
 
+    fn pulses(&self, _: &SignalInfo) -> PulseRule {
+        PulseRule::decides(self.longer_than)
+    }
+
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let window = scene.window(&self.between.from, &self.between.until)?;
         Ok(Box::new(PeriodMonitor {
             finder: EdgeFinder::new(self.edge.clone(), slack(info)),
             chain: FigureChain::new(window, self.limits),
-            missed: blind(info, self.longer_than).map(|span| blind_words(info, span)),
             claim: self.clone(),
             info: info.clone(),
             window,
@@ -140,7 +143,6 @@ struct PeriodMonitor {
     window: UncertainWindow,
     finder: EdgeFinder,
     chain: FigureChain,
-    missed: Option<String>,
     open: bool,
 }
 
@@ -169,7 +171,8 @@ impl Monitor for PeriodMonitor {
         let spread = self.chain.finish();
         let mut finding = Finding {
             can_hold: spread.can_hold,
-            can_break: spread.can_break || spread.can_be_missing || self.missed.is_some(),
+            can_break: spread.can_break || spread.can_be_missing,
+            beyond_help: spread.deciding.is_some_and(|found| found.extent.1 < self.claim.limits.0),
             window: Some(self.window.shown()),
             ..Finding::default()
         };
@@ -189,11 +192,10 @@ impl Monitor for PeriodMonitor {
         let from = &self.window.from;
         let delay = (deciding.seen.a.saturating_sub(from.b), deciding.seen.b.saturating_sub(from.a));
         let when = delay_words(delay, &self.claim.between.from);
-        finding.reason = match (spread.can_hold, spread.doubtful, self.missed) {
-            (false, ..) => format!("a distance of {} that ends {when}", span_range(deciding.extent)),
-            (true, true, _) => format!("`{}` is not known for a part of the window", self.info.name),
-            (true, false, Some(missed)) if !spread.can_break => missed,
-            _ => String::from("the uncertainty of the instants reaches over a limit"),
+        finding.reason = match (spread.can_hold, spread.doubtful) {
+            (false, _) => format!("a distance of {} that ends {when}", span_range(deciding.extent)),
+            (true, true) => format!("`{}` is not known for a part of the window", self.info.name),
+            (true, false) => String::from("the uncertainty of the instants reaches over a limit"),
         };
         finding.decided_by(&deciding.seen)
     }

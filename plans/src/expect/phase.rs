@@ -15,14 +15,14 @@ use record::Figure;
 use signal::{SignalInfo, Span};
 
 use super::band::{FigureBand, IS_RANGE, shown};
-use super::common::{FROM, LONGER, PlanWindow, UNTIL, blind_words, delay_words, signal};
+use super::common::{FROM, LONGER, PlanWindow, UNTIL, delay_words, signal};
 use super::condition::{MAX, MIN};
 use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::codes;
 use crate::lang::Anchor;
 use crate::monitor::edges::{CountedEdge, EdgeFinder, LAST};
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow, blind, slack,
+    CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, UncertainWindow, slack,
 };
 
 /// `phase`.
@@ -80,7 +80,7 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceCl
         return None;
     }
     let by_falls = fields.text("edge") == Some("falls");
-    let longer_than = fields.duration("pulses-longer-than");
+    let longer_than = fields.duration(LONGER.name);
     Some(Arc::new(PhaseClaim { of, reference, by_falls, band, between: between?, longer_than }))
 }
 
@@ -116,6 +116,10 @@ impl TraceClaim for PhaseClaim {
         Some(0.0)
     }
 
+    fn pulses(&self, _: &SignalInfo) -> PulseRule {
+        PulseRule::decides(self.longer_than)
+    }
+
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let window = scene.window(&self.between.from, &self.between.until)?;
         let side = |name: &String| {
@@ -125,11 +129,8 @@ impl TraceClaim for PhaseClaim {
             Ok(PhaseSignal { info, finder, lag: scene.lag(name), edges: VecDeque::new(), reached: i64::MIN })
         };
         let (of, reference) = (side(&self.of)?, side(&self.reference)?);
-        let missed = [&of, &reference]
-            .into_iter()
-            .find_map(|side| blind(&side.info, self.longer_than).map(|span| blind_words(&side.info, span)));
         let answer = PhaseResult::default();
-        Ok(Box::new(PhaseMonitor { claim: self.clone(), window, of, reference, missed, answer }))
+        Ok(Box::new(PhaseMonitor { claim: self.clone(), window, of, reference, answer }))
     }
 }
 
@@ -165,7 +166,6 @@ struct PhaseMonitor {
     window: UncertainWindow,
     of: PhaseSignal,
     reference: PhaseSignal,
-    missed: Option<String>,
     answer: PhaseResult,
 }
 
@@ -290,8 +290,8 @@ impl Monitor for PhaseMonitor {
             self.unknown(&TimedValue { place: LAST, ..rest.seen });
         }
         self.advance(true);
-        let PhaseMonitor { claim, window, of, missed, answer, .. } = *self;
-        let open = answer.doubtful || missed.is_some();
+        let PhaseMonitor { claim, window, of, answer, .. } = *self;
+        let open = answer.doubtful;
         let none = answer.cycles == 0;
         let mut finding = Finding {
             can_hold: open || !answer.wrong && answer.extent.is_some(),
@@ -299,10 +299,9 @@ impl Monitor for PhaseMonitor {
             window: Some(window.shown()),
             ..Finding::default()
         };
-        let unclear = match (&missed, answer.doubtful) {
-            (_, true) => String::from("a signal is not known for a part of the window"),
-            (Some(missed), false) => missed.clone(),
-            (None, false) => String::from("the uncertainty of the instants reaches over a limit"),
+        let unclear = match answer.doubtful {
+            true => String::from("a signal is not known for a part of the window"),
+            false => String::from("the uncertainty of the instants reaches over a limit"),
         };
         finding.observed = match answer.extent {
             Some(extent) => format!("{} over {} cycles", shown(extent, "deg"), answer.cycles),

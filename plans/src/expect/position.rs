@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use document::{Diagnostic, Fields};
 use record::Figure;
+use signal::SignalInfo;
 
 use super::band::{FigureBand, IS_RANGE, shown};
 use super::common::{FROM, LONGER, PlanWindow, UNTIL};
@@ -18,7 +19,9 @@ use super::train::{BACKWARDS, DIRECTION, INVERTED, PULSES, QUADRATURE, TrainLine
 use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::lang::Anchor;
 use crate::monitor::track::{PositionTrack, TrackStep};
-use crate::monitor::{CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow};
+use crate::monitor::{
+    CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, UncertainWindow,
+};
 
 /// The keys that `position` and its measurement share.
 pub(crate) const KEYS: &[document::KeySpec] = &[PULSES, DIRECTION, INVERTED, BACKWARDS, QUADRATURE, LONGER];
@@ -73,6 +76,10 @@ impl TraceClaim for PositionClaim {
         Some(0.0)
     }
 
+    fn pulses(&self, info: &SignalInfo) -> PulseRule {
+        self.train.pulses(info)
+    }
+
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let counting = PositionCounter::new(&self.train, scene, &self.between.from, &self.between.until)?;
         Ok(Box::new(PositionMonitor { claim: self.clone(), counting }))
@@ -84,7 +91,6 @@ impl TraceClaim for PositionClaim {
 pub struct PositionCounter {
     track: PositionTrack,
     window: UncertainWindow,
-    missed: Option<String>,
     sum: PositionSum,
 }
 
@@ -105,8 +111,8 @@ impl PositionCounter {
         until: &Anchor,
     ) -> Result<PositionCounter, NotJudged> {
         let window = scene.window(from, until)?;
-        let (track, missed) = train.track(scene)?;
-        Ok(PositionCounter { track, window, missed, sum: PositionSum::default() })
+        let track = train.track(scene)?;
+        Ok(PositionCounter { track, window, sum: PositionSum::default() })
     }
 
     /// The next event of a line.
@@ -116,11 +122,11 @@ impl PositionCounter {
         track.see(slot, seen, |step| sum.take(window, &step));
     }
 
-    /// What was counted, the window, and which line can hide pulses.
-    pub(crate) fn finish(mut self) -> (PositionSum, UncertainWindow, Option<String>) {
+    /// What was counted, and the window.
+    pub(crate) fn finish(mut self) -> (PositionSum, UncertainWindow) {
         let PositionCounter { track, window, sum, .. } = &mut self;
         track.finish(|step| sum.take(window, &step));
-        (self.sum, self.window, self.missed)
+        (self.sum, self.window)
     }
 }
 
@@ -163,10 +169,10 @@ impl Monitor for PositionMonitor {
 
     fn finish(self: Box<Self>) -> Finding {
         let PositionMonitor { claim, counting } = *self;
-        let (sum, window, missed) = counting.finish();
+        let (sum, window) = counting.finish();
         let extent = (sum.extent.0 as f64, sum.extent.1 as f64);
         let (can_hold, can_break) = claim.band.hold(extent);
-        let open = sum.doubtful || missed.is_some();
+        let open = sum.doubtful;
         let mut finding = Finding {
             can_hold: open || can_hold,
             can_break: open || can_break,
@@ -176,13 +182,10 @@ impl Monitor for PositionMonitor {
             window: Some(window.shown()),
             ..Finding::default()
         };
-        finding.reason = match (finding.can_hold, missed) {
-            (true, _) if sum.doubtful => String::from("a signal is not known for a part of the window"),
-            (true, Some(missed)) => missed,
-            (true, None) => {
-                String::from("which counts lie in the window, or their direction, is not certain")
-            }
-            (false, _) => {
+        finding.reason = match finding.can_hold {
+            true if sum.doubtful => String::from("a signal is not known for a part of the window"),
+            true => String::from("which counts lie in the window, or their direction, is not certain"),
+            false => {
                 let (apart, word) = match extent.0 > claim.band.max {
                     true => (extent.0 - claim.band.max, "too many"),
                     false => (claim.band.min - extent.1, "too few"),

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
-use signal::{Quantity, Span, Unit};
+use signal::{Quantity, SignalInfo, Span, Unit};
 
 use super::common::{FROM, LONGER, PlanWindow, UNTIL, count_range, delay_words};
 use super::shape::{MOVE, POINTS};
@@ -23,7 +23,9 @@ use crate::lang::Anchor;
 use crate::monitor::shape::FrequencyShape;
 use crate::monitor::shape_follower::{DecidingStretch, ShapeFollower, ShapeLimits, ShapeResult};
 use crate::monitor::track::{PositionTrack, TrackStep};
-use crate::monitor::{CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow};
+use crate::monitor::{
+    CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, UncertainWindow,
+};
 
 /// How far off in time.
 const WITHIN: KeySpec = KeySpec::optional(
@@ -114,13 +116,8 @@ impl ShapedTrain {
             signed: self.train.is_signed(info),
             coarse: self.train.is_coarse(info),
         };
-        let (track, missed) = self.train.track(scene)?;
-        Ok(ShapeMeasurement {
-            track,
-            course: ShapeFollower::new(held, scene.point(from)?, window),
-            window,
-            missed,
-        })
+        let track = self.train.track(scene)?;
+        Ok(ShapeMeasurement { track, course: ShapeFollower::new(held, scene.point(from)?, window), window })
     }
 }
 
@@ -130,7 +127,6 @@ pub struct ShapeMeasurement {
     track: PositionTrack,
     course: ShapeFollower,
     window: UncertainWindow,
-    missed: Option<String>,
 }
 
 impl ShapeMeasurement {
@@ -141,11 +137,11 @@ impl ShapeMeasurement {
         self.track.see(slot, seen, |step| taken(course, step));
     }
 
-    /// What it came to, its window, and which line can hide pulses.
-    pub(crate) fn finish(mut self) -> (ShapeResult, UncertainWindow, Option<String>) {
+    /// What it came to, and its window.
+    pub(crate) fn finish(mut self) -> (ShapeResult, UncertainWindow) {
         let course = &mut self.course;
         self.track.finish(|step| taken(course, step));
-        (self.course.finish(), self.window, self.missed)
+        (self.course.finish(), self.window)
     }
 }
 
@@ -224,6 +220,10 @@ impl TraceClaim for ProfileClaim {
         Some(0.0)
     }
 
+    fn pulses(&self, info: &SignalInfo) -> PulseRule {
+        self.shaped.train.pulses(info)
+    }
+
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let following = self.shaped.follow(scene, &self.between.from, &self.between.until)?;
         Ok(Box::new(ProfileMonitor { claim: self.clone(), following }))
@@ -244,8 +244,8 @@ impl Monitor for ProfileMonitor {
 
     fn finish(self: Box<Self>) -> Finding {
         let ProfileMonitor { claim, following } = *self;
-        let (found, window, missed) = following.finish();
-        let open = found.doubtful || missed.is_some();
+        let (found, window) = following.finish();
+        let open = found.doubtful;
         let (best, worst) = found.needed;
         let none = found.counts.1 == 0;
         let mut finding = Finding {
@@ -261,13 +261,12 @@ impl Monitor for ProfileMonitor {
             false => format!("{} over {counts} {noun}", off((best, worst))),
         };
         let deciding = if finding.can_hold { found.deciding[1] } else { found.deciding[0] };
-        finding.reason = match (finding.can_hold, &missed, deciding) {
-            (true, ..) if found.doubtful => String::from("a signal is not known for a part of the window"),
-            (true, Some(missed), _) => missed.clone(),
-            (true, ..) => String::from("the uncertainty of the instants reaches over a limit"),
-            (false, ..) if none => String::from("nothing counted in the window"),
-            (false, _, Some(deciding)) => words(&deciding, &claim.between.from),
-            (false, _, None) => String::new(),
+        finding.reason = match (finding.can_hold, deciding) {
+            (true, _) if found.doubtful => String::from("a signal is not known for a part of the window"),
+            (true, _) => String::from("the uncertainty of the instants reaches over a limit"),
+            (false, _) if none => String::from("nothing counted in the window"),
+            (false, Some(deciding)) => words(&deciding, &claim.between.from),
+            (false, None) => String::new(),
         };
         if none {
             return finding;

@@ -12,14 +12,15 @@ use record::Figure;
 use signal::{SignalInfo, Span};
 
 use super::common::{
-    FROM, PlanWindow, SIGNAL, SingleSpan, SpanLimits, UNTIL, delay_words, signal, span_range, spans, width,
+    FROM, LONGER, PlanWindow, SIGNAL, SingleSpan, SpanLimits, UNTIL, delay_words, signal, span_range, spans,
+    width,
 };
 use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::lang::Anchor;
 use crate::monitor::levels::PulseFinder;
 use crate::monitor::pulses::{FigureChain, FirstPulse, Pulse, Spread};
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow, slack,
+    CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, UncertainWindow, slack,
 };
 
 /// `pulse`.
@@ -41,6 +42,7 @@ pub(super) const PULSE: ExpectVerb = ExpectVerb {
         KeySpec::optional("which", KeyType::Choice(&["first", "every"]), "Which pulses; `first` if left out"),
         FROM,
         UNTIL,
+        LONGER,
     ],
     read,
 };
@@ -53,6 +55,7 @@ struct PulseClaim {
     width: SpanLimits,
     every: bool,
     between: PlanWindow,
+    longer_than: Option<Span>,
 }
 
 fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
@@ -61,7 +64,8 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceCl
     let width = spans(fields.get("width")?, "width", SingleSpan::Exactly, cx)?;
     let high = fields.text("level") != Some("low");
     let every = fields.text("which") == Some("every");
-    Some(Arc::new(PulseClaim { signal: signal?, high, width, every, between: between? }))
+    let longer_than = fields.duration(LONGER.name);
+    Some(Arc::new(PulseClaim { signal: signal?, high, width, every, between: between?, longer_than }))
 }
 
 impl PulseClaim {
@@ -95,6 +99,10 @@ impl TraceClaim for PulseClaim {
 
     fn counts(&self) -> Option<f64> {
         Some(0.0)
+    }
+
+    fn pulses(&self, _: &SignalInfo) -> PulseRule {
+        PulseRule::decides(self.longer_than)
     }
 
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
@@ -173,6 +181,7 @@ fn finding(
     let mut finding = Finding {
         can_hold: spread.can_hold,
         can_break: spread.can_break || spread.can_be_missing,
+        beyond_help: claim.every && spread.deciding.is_some_and(|found| found.extent.1 < claim.width.0),
         window: Some(window.shown()),
         ..Finding::default()
     };

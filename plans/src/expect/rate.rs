@@ -15,13 +15,13 @@ use record::Figure;
 use signal::{SignalInfo, Span};
 
 use super::band::{FigureBand, IS_RANGE, shown};
-use super::common::{FROM, LONGER, PlanWindow, SIGNAL, UNTIL, blind_words, signal};
+use super::common::{FROM, LONGER, PlanWindow, SIGNAL, UNTIL, signal};
 use super::condition::{MAX, MIN};
 use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::lang::Anchor;
 use crate::monitor::cycles::{CycleResult, CycleSpan, Cycles};
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow, blind, slack,
+    CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, UncertainWindow, slack,
 };
 
 /// Which edges begin a cycle.
@@ -95,7 +95,7 @@ fn read(fields: &Fields<'_>, kind: RateKind, cx: &mut ReadContext<'_>) -> Option
     let between = PlanWindow::read(fields, cx);
     let band = FigureBand::read(fields, kind.noun(), kind.unit(), cx)?;
     let by_falls = fields.text("edge") == Some("falls");
-    let longer_than = fields.duration("pulses-longer-than");
+    let longer_than = fields.duration(LONGER.name);
     Some(Arc::new(Rate { signal: signal?, kind, by_falls, band, between: between?, longer_than }))
 }
 
@@ -125,6 +125,10 @@ impl TraceClaim for Rate {
         Some(least.max(0.0))
     }
 
+    fn pulses(&self, _: &SignalInfo) -> PulseRule {
+        PulseRule::decides(self.longer_than)
+    }
+
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let window = scene.window(&self.between.from, &self.between.until)?;
@@ -133,7 +137,6 @@ impl TraceClaim for Rate {
             info: info.clone(),
             window,
             cycles: Cycles::new(window, self.by_falls, slack(info)),
-            missed: blind(info, self.longer_than).map(|span| blind_words(info, span)),
         }))
     }
 }
@@ -144,7 +147,6 @@ struct RateMonitor {
     info: SignalInfo,
     window: UncertainWindow,
     cycles: Cycles,
-    missed: Option<String>,
 }
 
 impl Monitor for RateMonitor {
@@ -154,20 +156,14 @@ impl Monitor for RateMonitor {
     }
 
     fn finish(self: Box<Self>) -> Finding {
-        let RateMonitor { claim, info, window, cycles, missed } = *self;
-        finding(&claim, &info, &window, cycles.finish(), missed)
+        let RateMonitor { claim, info, window, cycles } = *self;
+        finding(&claim, &info, &window, cycles.finish())
     }
 }
 
-fn finding(
-    claim: &Rate,
-    info: &SignalInfo,
-    window: &UncertainWindow,
-    found: CycleResult,
-    missed: Option<String>,
-) -> Finding {
+fn finding(claim: &Rate, info: &SignalInfo, window: &UncertainWindow, found: CycleResult) -> Finding {
     // Edges that are hidden can make any figure.
-    let open = found.doubtful || missed.is_some();
+    let open = found.doubtful;
     let mut finding = Finding {
         can_hold: open,
         can_break: open || found.can_be_missing,
@@ -184,10 +180,9 @@ fn finding(
         cycles = (cycles.0.min(stretch.cycles), cycles.1.max(stretch.cycles));
         extent = Some(extent.map_or(figure, |old| (old.0.min(figure.0), old.1.max(figure.1))));
     }
-    let unclear = || match (&missed, found.doubtful) {
-        (_, true) => format!("`{}` is not known for a part of the window", info.name),
-        (Some(missed), false) => missed.clone(),
-        (None, false) => String::from("the uncertainty of the instants reaches over a limit"),
+    let unclear = || match found.doubtful {
+        true => format!("`{}` is not known for a part of the window", info.name),
+        false => String::from("the uncertainty of the instants reaches over a limit"),
     };
     let Some(extent) = extent else {
         finding.observed = format!("no whole cycle{}", claim.between.words());

@@ -14,7 +14,7 @@ use record::Figure;
 use signal::{SignalInfo, Span, ValueKind};
 
 use super::band::shown;
-use super::common::{FROM, PlanWindow, SIGNAL, UNTIL, delay_words, signal};
+use super::common::{FROM, LONGER, PlanWindow, SIGNAL, UNTIL, delay_words, signal};
 use super::condition::{IS, MAX, MIN, ValueCondition, literal};
 use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::codes;
@@ -24,8 +24,8 @@ use crate::monitor::extremes::Extremes;
 use crate::monitor::reading::ValueReader;
 use crate::monitor::segments::{SegmentJudgement, Weight};
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, Truth, UncertainInstant, ValueTest,
-    slack,
+    CaseTimeline, Finding, Monitor, NotJudged, PulseFilter, PulseRule, TimedValue, TraceSignals, Truth,
+    UncertainInstant, ValueTest, slack,
 };
 
 /// `settles`.
@@ -50,6 +50,7 @@ pub(super) const SETTLES: ExpectVerb = ExpectVerb {
              in \"5 %\"",
         ),
         UNTIL,
+        LONGER,
     ],
     read,
 };
@@ -64,6 +65,7 @@ struct SettlesClaim {
     settled: Anchor,
     within: Span,
     overshoot: Option<Literal>,
+    longer_than: Option<Span>,
 }
 
 fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
@@ -94,7 +96,8 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceCl
         cx.out.bad(codes::CLAIM, node, message, "give both limits, as in is = \"1500 ± 10 rpm\"");
         return None;
     }
-    Some(Arc::new(SettlesClaim { signal, band, between, settled, within, overshoot }))
+    let longer_than = fields.duration(LONGER.name);
+    Some(Arc::new(SettlesClaim { signal, band, between, settled, within, overshoot, longer_than }))
 }
 
 /// How far beyond the middle a value may go, in the terms of a signal.
@@ -126,6 +129,11 @@ impl SettlesClaim {
             return Err(String::from("an overshoot below 0 can never be met"));
         }
         Ok(Some(OvershootLimit { middle, most, part }))
+    }
+
+    /// What takes excursions out of the band that do not count out of the signal.
+    fn short_excursions(&self, info: &SignalInfo, band: &ValueTest) -> Option<PulseFilter> {
+        PulseRule::breaks(self.longer_than).of_level(Some(band.clone())).filter(info)
     }
 
     fn bind(&self, info: &SignalInfo) -> Result<(ValueTest, Option<OvershootLimit>), String> {
@@ -170,6 +178,10 @@ impl TraceClaim for SettlesClaim {
         vec![self.between.demand(), ClaimDemand::At(&self.settled)]
     }
 
+    fn pulses(&self, _: &SignalInfo) -> PulseRule {
+        PulseRule::breaks(self.longer_than).weighed(LONGER.name)
+    }
+
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let (test, beyond) = self.bind(info).map_err(NotJudged::NoMeaning)?;
@@ -178,15 +190,17 @@ impl TraceClaim for SettlesClaim {
         Ok(Box::new(SettlesMonitor {
             claim: self.clone(),
             info: info.clone(),
-            test,
             beyond,
             from: scene.point(&self.between.from)?,
             reader: ValueReader::new(scene.point(&self.between.from)?),
             segments: SegmentJudgement::new(rest),
+            short: self.short_excursions(info, &test),
             extremes: Extremes::new(whole),
             class: Truth::Unknown,
             entered: None,
             open: scene.is_open(&self.between.until),
+            end: scene.end(),
+            test,
         }))
     }
 }
@@ -201,11 +215,14 @@ struct SettlesMonitor {
     reader: ValueReader,
     /// Whether it keeps to the band from the instant on at which it has to have settled.
     segments: SegmentJudgement,
+    /// Takes the short excursions out of what is judged there.
+    short: Option<PulseFilter>,
     extremes: Extremes,
     class: Truth,
     /// The last time that it came into the band.
     entered: Option<TimedValue>,
     open: bool,
+    end: i64,
 }
 
 impl Monitor for SettlesMonitor {
@@ -215,15 +232,13 @@ impl Monitor for SettlesMonitor {
             self.segments.advance(seen.a);
             self.extremes.advance(seen.a);
         }
-        let class = self.test.holds(seen.value, slack(&self.info));
-        let inside = seen.b < self.segments.window().until.a;
-        if class != self.class && inside {
-            self.entered = (class == Truth::True && seen.b > self.from.a).then_some(*seen);
+        match self.short.take() {
+            Some(mut short) => {
+                short.see(seen, &mut |seen| self.keep(seen));
+                self.short = Some(short);
+            }
+            None => self.keep(seen),
         }
-        if inside {
-            self.class = class;
-        }
-        self.segments.change(class, seen);
         self.reader.see(seen);
         self.extremes.see(seen);
     }
@@ -236,6 +251,9 @@ impl Monitor for SettlesMonitor {
     }
 
     fn finish(mut self: Box<Self>) -> Finding {
+        if let Some(short) = self.short.take() {
+            short.finish(self.end, &mut |seen| self.keep(seen));
+        }
         let kept = self.segments.finish();
         let overshoot = self.overshoot();
         let mut finding = Finding {
@@ -300,6 +318,19 @@ struct Overshoot {
 }
 
 impl SettlesMonitor {
+    /// The value from here on, as far as it counts.
+    fn keep(&mut self, seen: &TimedValue) {
+        let class = self.test.holds(seen.value, slack(&self.info));
+        let inside = seen.b < self.segments.window().until.a;
+        if class != self.class && inside {
+            self.entered = (class == Truth::True && seen.b > self.from.a).then_some(*seen);
+        }
+        if inside {
+            self.class = class;
+        }
+        self.segments.change(class, seen);
+    }
+
     /// When it came into the band for good, in words and as a delay.
     fn settled(&self) -> (String, Option<(i64, i64)>) {
         let from = &self.claim.between.from;

@@ -21,7 +21,7 @@ use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::lang::Anchor;
 use crate::monitor::speed::SpeedFollower;
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, UncertainWindow, slack,
+    CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, UncertainWindow, slack,
 };
 
 /// Its unit.
@@ -82,6 +82,10 @@ impl TraceClaim for SpeedClaim {
 
     fn demands(&self) -> Vec<ClaimDemand<'_>> {
         vec![self.between.demand()]
+    }
+
+    fn pulses(&self, _: &SignalInfo) -> PulseRule {
+        PulseRule::SEEN
     }
 
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {

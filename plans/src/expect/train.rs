@@ -3,11 +3,11 @@
 use document::{Diagnostic, Fields, KeySpec, KeyType};
 use signal::{Sampling, SignalInfo, Span, ValueKind};
 
-use super::common::{blind_words, signal};
+use super::common::{LONGER, signal};
 use super::{ClaimDemand, ReadContext};
 use crate::codes;
 use crate::monitor::track::{PositionTrack, PulseEncoding};
-use crate::monitor::{CaseTimeline, NotJudged, TraceSignals, blind, slack};
+use crate::monitor::{CaseTimeline, NotJudged, PulseRule, TraceSignals, slack};
 
 /// The pulses.
 pub(crate) const PULSES: KeySpec = KeySpec::required(
@@ -48,7 +48,7 @@ pub struct TrainLines {
     pub(crate) signal: String,
     /// The line that gives or shares the direction, and how.
     pub(crate) second: Option<(PulseEncoding, String)>,
-    /// What a sampled channel may miss.
+    /// `pulses-longer-than`.
     longer_than: Option<Span>,
 }
 
@@ -89,7 +89,7 @@ impl TrainLines {
             cx.out.bad(codes::TRAIN, place, message, "name another signal");
             return None;
         }
-        Some(TrainLines { signal: first, second, longer_than: fields.duration("pulses-longer-than") })
+        Some(TrainLines { signal: first, second, longer_than: fields.duration(LONGER.name) })
     }
 
     /// Its signals, in the order of the slots of its track.
@@ -127,31 +127,25 @@ impl TrainLines {
         }
     }
 
-    /// What follows it, and which line can hide pulses, in words.
-    pub(crate) fn track(
-        &self,
-        scene: &CaseTimeline<'_>,
-    ) -> Result<(PositionTrack, Option<String>), NotJudged> {
-        let line = |name: &String| -> Result<_, NotJudged> {
-            let info = scene.signal(name)?;
-            Ok((
-                (slack(info), scene.lag(name)),
-                blind(info, self.longer_than).map(|span| blind_words(info, span)),
-            ))
-        };
-        let (first, missed) = line(&self.signal)?;
+    /// How it looks at the pulses of one of its signals. A number that was read counted what came in between.
+    pub(crate) fn pulses(&self, info: &SignalInfo) -> PulseRule {
+        if is_number(info) { PulseRule::SEEN } else { PulseRule::decides(self.longer_than) }
+    }
+
+    /// What follows it.
+    pub(crate) fn track(&self, scene: &CaseTimeline<'_>) -> Result<PositionTrack, NotJudged> {
+        let line = |name: &String| Ok((slack(scene.signal(name)?), scene.lag(name)));
+        let first = line(&self.signal)?;
         let info = scene.signal(&self.signal)?;
         let Some((carried, other)) = &self.second else {
-            // A number that was read counts what came in between.
-            let (carried, missed) = match (is_number(info), self.is_coarse(info)) {
-                (true, true) => (PulseEncoding::Read, None),
-                (true, false) => (PulseEncoding::Number, None),
-                (false, _) => (PulseEncoding::Pulses, missed),
+            let carried = match (is_number(info), self.is_coarse(info)) {
+                (true, true) => PulseEncoding::Read,
+                (true, false) => PulseEncoding::Number,
+                (false, _) => PulseEncoding::Pulses,
             };
-            return Ok((PositionTrack::new(carried, first, None), missed));
+            return Ok(PositionTrack::new(carried, first, None));
         };
-        let (second, also) = line(other)?;
-        Ok((PositionTrack::new(*carried, first, Some(second)), missed.or(also)))
+        Ok(PositionTrack::new(*carried, first, Some(line(other)?)))
     }
 
     /// Whether it is a number that is read from time to time.

@@ -20,8 +20,8 @@ use crate::codes;
 use crate::lang::{Anchor, Literal};
 use crate::monitor::reading::{Candidate, ValueReader};
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals, Truth, UncertainInstant, ValueTest,
-    slack,
+    CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, Truth, UncertainInstant,
+    ValueTest, slack,
 };
 
 /// `value`.
@@ -119,6 +119,10 @@ impl TraceClaim for ValueClaim {
     fn demands(&self) -> Vec<ClaimDemand<'_>> {
         let (signal, condition) = (&self.signal, &self.condition);
         vec![ClaimDemand::Value { signal, condition, forbidden: false }, ClaimDemand::At(&self.when)]
+    }
+
+    fn pulses(&self, _: &SignalInfo) -> PulseRule {
+        PulseRule::SEEN
     }
 
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {

@@ -4,12 +4,12 @@
 use std::sync::Arc;
 
 use document::Diagnostic;
-use signal::Value;
+use signal::{SignalInfo, Value};
 
 use super::StepFacts;
 use crate::expect::{Expectation, FilePlace, TraceClaim, known};
 use crate::lang::Anchor;
-use crate::monitor::{CaseTimeline, Finding, Monitor, NotJudged, TimedValue, TraceSignals};
+use crate::monitor::{CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals};
 use crate::steps::Question;
 
 /// The claim.
@@ -50,6 +50,10 @@ impl TraceClaim for AnswerClaim {
 
     fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         known(&self.signals()[0], wiring, out);
+    }
+
+    fn pulses(&self, _: &SignalInfo) -> PulseRule {
+        PulseRule::SEEN
     }
 
     fn start(&self, _: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {

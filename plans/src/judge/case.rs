@@ -10,12 +10,13 @@ use super::claim_record::{claim_record, writer};
 use super::live::LiveReading;
 use super::order::Orderer;
 use super::pulse_limits::PulseLimits;
+use super::short_pulses::ShortPulses;
 use super::unknown::{UnknownTimes, add_why};
 use super::{JudgedCase, answer};
 use crate::expect::{Expectation, FilePlace, GlobalCheck, happens};
 use crate::lang::{Anchor, AnchorBase};
 use crate::measure::{Gauge, Measurement};
-use crate::monitor::{Anchors, CaseTimeline, Monitor, NotJudged, TimedValue, TraceSignals};
+use crate::monitor::{Anchors, CaseTimeline, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals};
 use crate::steps::{CasePart, Question};
 
 /// A step of the case, as far as the judge needs it.
@@ -159,7 +160,11 @@ impl CaseJudge {
         let anchors = Anchors::new(scenario.anchors(), |id| scenario.train(id), signals);
         let mut live = LiveReading::new(&scenario.expectations, signals);
         for (at, expectation) in scenario.expectations.iter().enumerate() {
-            if scenario.part_of_claim(expectation) == CasePart::Teardown {
+            let held_back = signals_of(expectation, signals).any(|info| {
+                let rule = expectation.claim.pulses(info);
+                rule.filter(info).is_some() || rule.can_rescue(info)
+            });
+            if held_back || scenario.part_of_claim(expectation) == CasePart::Teardown {
                 live.pass_over(at);
             }
         }
@@ -183,8 +188,14 @@ impl CaseJudge {
         if news {
             let now = event.at.earliest.as_nanos();
             let (signals, anchors) = (&self.signals, &self.anchors);
-            let scene =
-                CaseTimeline { signals, anchors, disordered: &[], open_from: Some(now), closing: false };
+            let scene = CaseTimeline {
+                signals,
+                anchors,
+                disordered: &[],
+                open_from: Some(now),
+                closing: false,
+                held: 0,
+            };
             self.live.news(&self.scenario.expectations, &scene, now);
         }
     }
@@ -234,8 +245,14 @@ impl CaseJudge {
         self.anchors.end(end, self.fed);
         let disordered = self.live.disordered();
         let (signals, anchors) = (&self.signals, &self.anchors);
-        let scene =
-            CaseTimeline { signals, anchors, disordered: &disordered, open_from: None, closing: false };
+        let scene = CaseTimeline {
+            signals,
+            anchors,
+            disordered: &disordered,
+            open_from: None,
+            closing: false,
+            held: 0,
+        };
         let why = note("ended").unwrap_or_default();
         let mut stage = FinalReading::new(&self.scenario, &scene, &why);
         stage.counting = PulseLimits::new(&self.signals, note);
@@ -259,6 +276,15 @@ impl CaseJudge {
         }
         Ok(stage.finish(&self.scenario, &self.signals, note))
     }
+}
+
+/// The signals of a claim that the trace has.
+fn signals_of<'a>(
+    expectation: &Expectation,
+    signals: &'a [SignalInfo],
+) -> impl Iterator<Item = &'a SignalInfo> {
+    let names = expectation.claim.signals();
+    signals.iter().filter(move |info| names.contains(&info.name))
 }
 
 /// Says of findings where the claim stands.
@@ -294,14 +320,25 @@ struct Follower {
     slot: usize,
     /// Where it stops looking: the instant, and the place in the trace.
     last: (i64, u64),
+    /// What takes the short pulses out of the signal before, by its place.
+    filter: Option<usize>,
 }
 
 impl Follower {
     #[inline]
-    fn feed(self, running: &mut [RunningMonitor], seen: &TimedValue) {
-        if seen.a <= self.last.0 && seen.place <= self.last.1 {
-            running[self.at].feed(self.slot, seen);
+    fn feed(self, running: &mut [RunningMonitor], short: &mut ShortPulses<Follower>, seen: &TimedValue) {
+        if seen.a > self.last.0 || seen.place > self.last.1 {
+            return;
         }
+        match self.filter {
+            Some(filter) => short.see(filter, seen, |follower, seen| follower.hand_on(running, seen)),
+            None => self.hand_on(running, seen),
+        }
+    }
+
+    #[inline]
+    fn hand_on(self, running: &mut [RunningMonitor], seen: &TimedValue) {
+        running[self.at].feed(self.slot, seen);
     }
 }
 
@@ -309,13 +346,18 @@ impl Follower {
 struct FinalReading {
     running: Vec<RunningMonitor>,
     lines: Vec<FollowedSignal>,
+    short: ShortPulses<Follower>,
     counting: PulseLimits,
 }
 
 impl FinalReading {
     fn new(scenario: &Scenario, scene: &CaseTimeline<'_>, why: &str) -> FinalReading {
-        let mut stage =
-            FinalReading { running: Vec::new(), lines: Vec::new(), counting: PulseLimits::default() };
+        let mut stage = FinalReading {
+            running: Vec::new(),
+            lines: Vec::new(),
+            short: ShortPulses::new(),
+            counting: PulseLimits::default(),
+        };
         for at in 0..scene.signals.len() {
             let hold = scene.disordered.get(at).copied().unwrap_or(false);
             stage.lines.push(FollowedSignal {
@@ -337,31 +379,52 @@ impl FinalReading {
         };
         for (at, expectation) in scenario.expectations.iter().enumerate() {
             let scene_of = part(scenario.part_of_claim(expectation), at >= own);
-            stage.follow(&expectation.claim.signals(), scene_of.as_ref().unwrap_or(scene));
-            stage
-                .running
-                .push(RunningMonitor::Claim(scene_of.and_then(|scene| expectation.claim.start(&scene))));
+            let held = stage.follow(
+                &expectation.claim.signals(),
+                |info| expectation.claim.pulses(info),
+                scene_of.as_ref().unwrap_or(scene),
+            );
+            let monitor = scene_of.and_then(|scene| expectation.claim.start(&CaseTimeline { held, ..scene }));
+            stage.running.push(RunningMonitor::Claim(monitor));
         }
         for measurement in &scenario.measurements {
             let scene_of = part(scenario.part(&measurement.anchors(), &measurement.signals()), false);
-            stage.follow(&measurement.signals(), scene_of.as_ref().unwrap_or(scene));
-            let gauge = scene_of.and_then(|scene| measurement.start(&scene));
+            let held = stage.follow(
+                &measurement.signals(),
+                |info| measurement.pulses(info),
+                scene_of.as_ref().unwrap_or(scene),
+            );
+            let gauge = scene_of.and_then(|scene| measurement.start(&CaseTimeline { held, ..scene }));
             stage.running.push(RunningMonitor::Gauge(Box::new(gauge)));
         }
         stage
     }
 
-    fn follow(&mut self, names: &[String], scene: &CaseTimeline<'_>) {
+    /// Whoever runs next follows these signals. How long their changes are held back at most, nanoseconds.
+    fn follow(
+        &mut self,
+        names: &[String],
+        rule: impl Fn(&SignalInfo) -> PulseRule,
+        scene: &CaseTimeline<'_>,
+    ) -> i64 {
         let (at, last) = (self.running.len(), (scene.end(), scene.last_place()));
+        let mut held = 0;
         for (slot, name) in names.iter().enumerate() {
-            if let Some(line) = scene.signals.iter().position(|info| info.name == *name) {
-                self.lines[line].followers.push(Follower { at, slot, last });
+            let Some(line) = scene.signals.iter().position(|info| info.name == *name) else { continue };
+            let mut follower = Follower { at, slot, last, filter: None };
+            if let Some(filter) = rule(&scene.signals[line]).filter(&scene.signals[line]) {
+                held = held.max(filter.holds_for());
+                follower.filter = Some(self.short.add(filter, follower));
             }
+            self.lines[line].followers.push(follower);
         }
+        held
     }
 
     #[inline]
     fn feed(&mut self, event: &Event, place: u64) {
+        let running = &mut self.running;
+        self.short.settle(event.at.earliest.as_nanos(), |follower, seen| follower.hand_on(running, seen));
         let Some(line) = self.lines.get_mut(event.signal.0 as usize) else { return };
         if line.followers.is_empty() {
             return;
@@ -369,9 +432,9 @@ impl FinalReading {
         line.observed = true;
         line.unknown.see(event);
         self.counting.see(event);
-        let (followers, running) = (&line.followers, &mut self.running);
+        let (followers, running, short) = (&line.followers, &mut self.running, &mut self.short);
         line.orderer.push(event, place, |seen| {
-            followers.iter().for_each(|follower| follower.feed(running, seen));
+            followers.iter().for_each(|follower| follower.feed(running, short, seen));
         });
     }
 
@@ -382,11 +445,13 @@ impl FinalReading {
         note: &dyn Fn(&str) -> Option<String>,
     ) -> JudgedCase {
         for line in &mut self.lines {
-            let (followers, running) = (&line.followers, &mut self.running);
+            let (followers, running, short) = (&line.followers, &mut self.running, &mut self.short);
             line.orderer.drain(|seen| {
-                followers.iter().for_each(|follower| follower.feed(running, seen));
+                followers.iter().for_each(|follower| follower.feed(running, short, seen));
             });
         }
+        let running = &mut self.running;
+        self.short.finish(|follower| follower.last.0, |follower, seen| follower.hand_on(running, seen));
         let unobserved = |names: &[String]| {
             let silent = |name: &&String| {
                 signals.iter().position(|info| info.name == **name).is_none_or(|at| !self.lines[at].observed)
@@ -407,7 +472,13 @@ impl FinalReading {
         for ((place, expectation), running) in scenario.expectations.iter().enumerate().zip(running.by_ref())
         {
             let RunningMonitor::Claim(judged) = running else { continue };
-            let finding = judged.map(Monitor::finish);
+            let doubts = signals_of(expectation, signals)
+                .filter_map(|info| expectation.claim.pulses(info).doubt(info));
+            let doubt = doubts.max_by_key(|(unseen, _)| *unseen);
+            let finding = judged.map(|monitor| match doubt {
+                Some((unseen, why)) => monitor.finish().with_unseen(unseen, why),
+                None => monitor.finish(),
+            });
             let silent = unobserved(&expectation.claim.signals());
             let mut record = claim_record(expectation, finding, silent, &writer);
             if record.verdict == Verdict::Inconclusive {
@@ -431,7 +502,7 @@ impl FinalReading {
         for (measurement, running) in scenario.measurements.iter().zip(running) {
             let RunningMonitor::Gauge(taken) = running else { continue };
             let mut taken = match *taken {
-                Ok(gauge) => gauge.finish(),
+                Ok(gauge) => gauge.finish(measurement.doubt(signals)),
                 Err(why) => measurement.untaken(&why.to_string()),
             };
             if let (Verdict::Inconclusive, Some(silent)) = (taken.verdict, unobserved(&measurement.signals()))

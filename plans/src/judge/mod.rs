@@ -16,6 +16,7 @@ mod judged_case;
 mod live;
 mod order;
 mod pulse_limits;
+mod short_pulses;
 mod unknown;
 
 pub use case::{CaseJudge, JudgeError, Scenario, StepFacts};

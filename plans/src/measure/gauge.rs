@@ -4,7 +4,7 @@ use record::{Figure, MeasurementRecord, Verdict};
 use signal::{SignalInfo, ValueKind};
 
 use super::window::WindowMeasurement;
-use super::{MeasuredQuantity, Measurement, MeasurementLimits};
+use super::{MeasuredQuantity, Measurement, MeasurementLimits, Statistic, WindowFigure};
 use crate::expect::band::figure;
 use crate::expect::position::PositionCounter;
 use crate::expect::profile::ShapeMeasurement;
@@ -12,7 +12,7 @@ use crate::lang::Literal;
 use crate::meaning::{ToleranceBand, number};
 use crate::monitor::edges::{EdgeFinder, FirstEdge};
 use crate::monitor::reading::ValueReader;
-use crate::monitor::{CaseTimeline, NotJudged, Number, TimedValue, UncertainInstant, slack};
+use crate::monitor::{CaseTimeline, NotJudged, Number, TimedValue, UncertainInstant, UnseenPulses, slack};
 
 /// Limits as numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -91,7 +91,41 @@ enum GaugeState {
 pub struct Gauge {
     record: MeasurementRecord,
     bounds: LimitNumbers,
+    reach: UnseenReach,
     taking: GaugeState,
+}
+
+/// Where pulses that nobody saw can take a figure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum UnseenReach {
+    /// Anywhere.
+    Anywhere,
+    /// Up: a greatest value.
+    Up,
+    /// Down: a least value, or the time to a first edge.
+    Down,
+}
+
+impl UnseenReach {
+    fn of(quantity: &MeasuredQuantity) -> UnseenReach {
+        match quantity {
+            MeasuredQuantity::ToEdge { .. } => UnseenReach::Down,
+            MeasuredQuantity::Over { figure: WindowFigure::Value(take), .. } => match take {
+                Statistic::Min => UnseenReach::Down,
+                Statistic::Max | Statistic::Span => UnseenReach::Up,
+                Statistic::First | Statistic::Mean | Statistic::Rms => UnseenReach::Anywhere,
+            },
+            _ => UnseenReach::Anywhere,
+        }
+    }
+
+    fn widened(self, [low, high]: [f64; 2]) -> (f64, f64) {
+        match self {
+            UnseenReach::Anywhere => (f64::NEG_INFINITY, f64::INFINITY),
+            UnseenReach::Up => (low, f64::INFINITY),
+            UnseenReach::Down => (f64::NEG_INFINITY, high),
+        }
+    }
 }
 
 impl Gauge {
@@ -139,7 +173,7 @@ impl Gauge {
             line: measurement.line(),
             ..MeasurementRecord::default()
         };
-        Ok(Gauge { record, bounds, taking })
+        Ok(Gauge { record, bounds, reach: UnseenReach::of(&measurement.quantity), taking })
     }
 
     /// The next event of the signal at this place among the measurement's.
@@ -159,9 +193,18 @@ impl Gauge {
         }
     }
 
-    /// The record when nothing comes any more.
-    pub fn finish(self) -> MeasurementRecord {
-        let Gauge { mut record, bounds, taking } = self;
+    /// The record when nothing comes any more. `doubt` is what pulses that nobody saw could do, and why.
+    pub(crate) fn finish(self, doubt: Option<(UnseenPulses, String)>) -> MeasurementRecord {
+        let (bounds, reach) = (self.bounds, self.reach);
+        let record = self.of_what_was_seen();
+        match doubt {
+            Some((unseen, why)) => with_unseen(record, &bounds, reach, unseen, why),
+            None => record,
+        }
+    }
+
+    fn of_what_was_seen(self) -> MeasurementRecord {
+        let Gauge { mut record, bounds, taking, .. } = self;
         let interval = |point: &UncertainInstant| Some([point.a, point.b]);
         match taking {
             GaugeState::Between(from, to) => {
@@ -216,21 +259,21 @@ impl Gauge {
             }
             GaugeState::Over(over) => over.finish(record, &bounds),
             GaugeState::Position(counting) => {
-                let (sum, window, missed) = counting.finish();
+                let (sum, window) = counting.finish();
                 record.from_ns = interval(&window.from);
                 record.to_ns = interval(&window.until);
                 let record = judge(record, &bounds, sum.extent.0 as f64, sum.extent.1 as f64);
-                seen_whole(record, sum.doubtful, missed)
+                seen_whole(record, sum.doubtful)
             }
             GaugeState::Profile(following) => {
-                let (found, window, missed) = following.finish();
+                let (found, window) = following.finish();
                 record.from_ns = interval(&window.from);
                 record.to_ns = interval(&window.until);
                 if found.counts.1 == 0 && !found.doubtful {
                     return failed(record, "nothing counted in the window");
                 }
                 let record = judge(record, &bounds, found.needed.0, found.needed.1);
-                seen_whole(record, found.doubtful, missed)
+                seen_whole(record, found.doubtful)
             }
         }
     }
@@ -260,12 +303,33 @@ pub(super) fn judge(
 }
 
 /// The same, open where something may have gone unseen.
-fn seen_whole(record: MeasurementRecord, doubtful: bool, missed: Option<String>) -> MeasurementRecord {
-    match (doubtful, missed) {
-        (true, _) => open(record, "a signal is not known for a part of the window"),
-        (false, Some(missed)) => open(record, &missed),
-        (false, None) => record,
+fn seen_whole(record: MeasurementRecord, doubtful: bool) -> MeasurementRecord {
+    if doubtful { open(record, "a signal is not known for a part of the window") } else { record }
+}
+
+/// The same, open as far as pulses that nobody saw leave it so. A figure without limits is what was seen, and says so.
+fn with_unseen(
+    mut record: MeasurementRecord,
+    bounds: &LimitNumbers,
+    reach: UnseenReach,
+    unseen: UnseenPulses,
+    why: String,
+) -> MeasurementRecord {
+    let (can_hold, can_break) = match record.value {
+        Some(value) => {
+            let (low, high) = reach.widened(value);
+            bounds.hold(low, high)
+        }
+        // Nothing was seen that could be measured.
+        None => (true, false),
+    };
+    match record.verdict {
+        Verdict::None => record.reason = why,
+        Verdict::Pass if can_break => return open(record, &why),
+        Verdict::Fail if can_hold && unseen == UnseenPulses::Decide => return open(record, &why),
+        _ => {}
     }
+    record
 }
 
 /// The same, open where it was a pass or had no verdict.

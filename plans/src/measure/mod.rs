@@ -19,7 +19,7 @@ use std::sync::Arc;
 
 use document::Diagnostic;
 use record::{MeasurementRecord, Verdict};
-use signal::{SignalInfo, ValueKind};
+use signal::{SignalInfo, Span, ValueKind};
 
 use crate::expect::FilePlace;
 use crate::expect::band::figure;
@@ -28,7 +28,7 @@ use crate::expect::train::TrainLines;
 use crate::lang::{Anchor, Literal};
 use crate::monitor::edges::CountedEdge;
 use crate::monitor::jitter::JitterQuery;
-use crate::monitor::{CaseTimeline, NotJudged, TraceSignals};
+use crate::monitor::{CaseTimeline, NotJudged, PulseRule, TraceSignals, UnseenPulses};
 
 pub use gauge::Gauge;
 pub use read::{KEYS, read};
@@ -254,6 +254,8 @@ pub struct Measurement {
     pub quantity: MeasuredQuantity,
     /// What it should be.
     pub limits: Arc<MeasurementLimits>,
+    /// `pulses-longer-than`; of a pulse train, that of its lines.
+    pub longer_than: Option<Span>,
     /// Where it stands; `None` for a measurement that is in no plan file.
     pub place: Option<FilePlace>,
 }
@@ -279,6 +281,27 @@ impl Measurement {
             WindowFigure::Value(_) => None,
             _ => Some(0.0),
         }
+    }
+
+    /// How it looks at the pulses of one of its signals: what those that nobody saw could do to its figure.
+    pub(crate) fn pulses(&self, info: &SignalInfo) -> PulseRule {
+        let of_edges = PulseRule::decides(self.longer_than);
+        match &self.quantity {
+            MeasuredQuantity::Between { .. } | MeasuredQuantity::Value { .. } => PulseRule::SEEN,
+            // An edge that nobody saw could have come first; one that did not come is not taken to have come unseen.
+            MeasuredQuantity::ToEdge { .. } => PulseRule::breaks(self.longer_than),
+            MeasuredQuantity::Over { figure: WindowFigure::Speed, .. } => PulseRule::SEEN,
+            MeasuredQuantity::Over { .. } => of_edges,
+            MeasuredQuantity::Position { train, .. } => train.pulses(info),
+            MeasuredQuantity::Profile { shaped, .. } => shaped.train.pulses(info),
+        }
+    }
+
+    /// What unseen pulses of its signals could do, and why, if anything.
+    pub(crate) fn doubt(&self, signals: &[SignalInfo]) -> Option<(UnseenPulses, String)> {
+        let names = self.signals();
+        let own = signals.iter().filter(|info| names.contains(&info.name));
+        own.filter_map(|info| self.pulses(info).doubt(info)).max_by_key(|(unseen, _)| *unseen)
     }
 
     /// The signals that it looks at.

@@ -12,7 +12,7 @@ use crate::expect::band::figure;
 use crate::expect::jitter::{COMPARES, GRID, asked};
 use crate::expect::profile::ShapedTrain;
 use crate::expect::train::TrainLines;
-use crate::expect::{PlanWindow, ReadContext, literal, position, profile};
+use crate::expect::{LONGER, PlanWindow, ReadContext, literal, position, profile};
 use crate::lang::{Anchor, Literal};
 use crate::monitor::edges::CountedEdge;
 
@@ -89,6 +89,7 @@ pub const KEYS: &[KeySpec] = &[
         KeyType::Value,
         "How far from `nominal` is allowed, or which part of it, as in \"10 %\"",
     ),
+    LONGER,
     KeySpec::optional("rows", KeyType::List(&KeyType::Text), "The rows that measure it; all if left out"),
 ];
 
@@ -119,6 +120,7 @@ pub fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Measurement
         name: fields.text("name")?.to_owned(),
         quantity,
         limits: Arc::new(limits),
+        longer_than: fields.duration(LONGER.name),
         place: None,
     })
 }
@@ -174,7 +176,7 @@ fn quantity(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<MeasuredQua
                 .and_then(|()| time_between(fields, cx))
         }
         ["value-of"] if !fields.has("take") => {
-            let others = ["from", "to", "until", "level", "compares", "grid"];
+            let others = ["from", "to", "until", "level", "compares", "grid", LONGER.name];
             lacks(fields, &others, "a value at an instant", cx)?;
             let (signal, at) = cx.names.at_value(fields.get("value-of")?, cx.out)?;
             let when = match fields.get("when") {
@@ -201,6 +203,7 @@ fn lacks(fields: &Fields<'_>, keys: &[&str], what: &str, cx: &mut ReadContext<'_
     let place = fields.entry(key)?.key_span.clone();
     let help = match *key {
         "from" | "until" => "a value over a window says with `take` what is taken of it",
+        "pulses-longer-than" => "of a pulse train it stands among the keys of its lines; else leave it out",
         _ => "leave it out",
     };
     cx.out.error(codes::MEASURE, place, format!("`{key}` has no meaning for {what}"), help);
@@ -210,7 +213,7 @@ fn lacks(fields: &Fields<'_>, keys: &[&str], what: &str, cx: &mut ReadContext<'_
 /// Reads what is measured of a pulse train.
 fn train(fields: &Fields<'_>, key: &str, cx: &mut ReadContext<'_>) -> Option<MeasuredQuantity> {
     let what = if key == "position-of" { "a position" } else { "a profile" };
-    lacks(fields, &["to", "when", "take", "level", "compares", "grid"], what, cx)?;
+    lacks(fields, &["to", "when", "take", "level", "compares", "grid", LONGER.name], what, cx)?;
     let inner = fields.inner(key)?;
     let place = std::mem::replace(&mut cx.place, fields.get(key)?.span.clone());
     let quantity = match key {
@@ -251,6 +254,9 @@ fn over(fields: &Fields<'_>, key: &str, cx: &mut ReadContext<'_>) -> Option<Meas
     }
     if key != "jitter-of" {
         lacks(fields, &["compares", "grid"], what, cx)?;
+    }
+    if key == "speed-of" {
+        lacks(fields, &[LONGER.name], what, cx)?;
     }
     if takes.is_empty() {
         lacks(fields, &["take"], what, cx)?;
@@ -296,18 +302,19 @@ fn time_between(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Measure
         }
         return None;
     };
-    if let Data::Table(_) = to.data {
-        let inner = fields.inner("to")?;
-        let signal = cx.names.signal(inner.get("signal")?, cx.out)?;
-        let edge = match inner.text("edge") {
-            Some("rises") => CountedEdge::Rises,
-            Some("falls") => CountedEdge::Falls,
-            _ => CountedEdge::Changes,
-        };
-        return Some(MeasuredQuantity::ToEdge { from, signal, edge });
-    }
-    let to = cx.names.anchor(to, cx.out)?;
-    Some(MeasuredQuantity::Between { from, to })
+    let Data::Table(_) = to.data else {
+        lacks(fields, &[LONGER.name], "a time between two instants", cx)?;
+        let to = cx.names.anchor(to, cx.out)?;
+        return Some(MeasuredQuantity::Between { from, to });
+    };
+    let inner = fields.inner("to")?;
+    let signal = cx.names.signal(inner.get("signal")?, cx.out)?;
+    let edge = match inner.text("edge") {
+        Some("rises") => CountedEdge::Rises,
+        Some("falls") => CountedEdge::Falls,
+        _ => CountedEdge::Changes,
+    };
+    Some(MeasuredQuantity::ToEdge { from, signal, edge })
 }
 
 fn limits(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<MeasurementLimits> {

@@ -12,6 +12,8 @@ pub struct Finding {
     pub can_hold: bool,
     /// Some placement does not.
     pub can_break: bool,
+    /// It fails whatever more pulses there were: what was seen is too much already.
+    pub beyond_help: bool,
     /// Why it is not a plain pass, one sentence; may be empty.
     pub reason: String,
     /// What was observed: `fell 100.2 ms after busy`.

@@ -18,6 +18,7 @@ mod hull;
 mod instants;
 pub mod jitter;
 pub mod levels;
+mod pulse_filter;
 pub mod pulses;
 pub mod reading;
 pub mod segments;
@@ -26,14 +27,17 @@ pub mod shape_follower;
 pub mod speed;
 mod timeline;
 pub mod track;
+mod unseen;
 mod value_test;
 
 pub(crate) use anchors::Anchors;
 pub use finding::Finding;
 pub(crate) use finding::clipped;
 pub use instants::{TimedValue, UncertainInstant, UncertainWindow};
+pub(crate) use pulse_filter::PulseFilter;
 pub(crate) use timeline::lag;
-pub use timeline::{CaseTimeline, NotJudged, TraceSignals, blind};
+pub use timeline::{CaseTimeline, NotJudged, TraceSignals};
+pub use unseen::{PulseRule, UnseenPulses};
 pub use value_test::{Number, Truth, ValueTest, slack};
 
 /// Follows the signals of one claim and comes to a finding.

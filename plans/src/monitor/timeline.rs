@@ -64,6 +64,8 @@ pub struct CaseTimeline<'a> {
     pub(crate) open_from: Option<i64>,
     /// `end` is the end of the teardown: for what looks at the teardown.
     pub(crate) closing: bool,
+    /// How long a change is held back until it is known whether it is one, nanoseconds.
+    pub(crate) held: i64,
 }
 
 impl<'a> CaseTimeline<'a> {
@@ -123,7 +125,8 @@ impl<'a> CaseTimeline<'a> {
     pub fn lag(&self, name: &str) -> i64 {
         match self.signals.iter().position(|info| info.name == name) {
             Some(at) if !self.disordered.get(at).copied().unwrap_or(false) => {
-                lag(&self.signals[at]).as_nanos()
+                let lag = lag(&self.signals[at]).as_nanos();
+                if self.held > 0 { lag.saturating_mul(2).saturating_add(self.held) } else { lag }
             }
             _ => i64::MAX,
         }
@@ -136,18 +139,6 @@ impl<'a> CaseTimeline<'a> {
     pub fn signal(&self, name: &str) -> Result<&'a SignalInfo, NotJudged> {
         TraceSignals { signals: self.signals }.find(name).ok_or_else(|| NotJudged::NoSignal(name.to_owned()))
     }
-}
-
-/// The width of pulses that a channel can miss without a sign, if the claim speaks of such short ones:
-/// `longer_than` is what the plan says of the pulses that matter.
-///
-/// Only sampled channels count: one that stamps edges reports what it lost, and a run that lost events is no
-/// pass. What a recording policy leaves out is in the trace as a value that is not known.
-pub fn blind(info: &SignalInfo, longer_than: Option<Span>) -> Option<Span> {
-    let Sampling::Sampled { period } = info.sampling else { return None };
-    let missed = info.shortest_pulse.max(period);
-    // Pulses of exactly the shortest certain width are seen.
-    longer_than.is_none_or(|stated| stated < missed).then_some(missed)
 }
 
 /// How late an event of the signal can become known: the latest stamp that is still to come.

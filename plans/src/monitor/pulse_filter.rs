@@ -1,0 +1,126 @@
+//! Takes the short pulses out of a signal: `pulses-longer-than`, for every monitor that looks at edges or levels.
+//!
+//! A change of level counts once the new level has lasted for longer than that, and then from its own instant. A pulse
+//! that may be short or long within its intervals leaves the level unknown for as long as it matters. So does what was
+//! there when the signal was first known, which may have begun long before.
+
+use signal::Value;
+
+use super::{TimedValue, Truth, ValueTest};
+
+/// What the level of a value is.
+#[derive(Clone, Debug)]
+pub(crate) enum PulseLevel {
+    /// Of a line: whether it is TRUE.
+    Line,
+    /// Whether it meets a condition, to within so much.
+    Test(ValueTest, f64),
+}
+
+impl PulseLevel {
+    #[inline]
+    fn of(&self, value: Value) -> Truth {
+        match (self, value) {
+            (_, Value::Unknown) => Truth::Unknown,
+            (PulseLevel::Line, value) => Truth::of(matches!(value, Value::Bool(true))),
+            (PulseLevel::Test(test, slack), value) => test.holds(value, *slack),
+        }
+    }
+}
+
+/// Takes short pulses out of one signal.
+#[derive(Clone, Debug)]
+pub(crate) struct PulseFilter {
+    level: PulseLevel,
+    /// Pulses of at most this width do not count, nanoseconds.
+    longest: i64,
+    /// How far after the newest event of the trace one of this signal can begin, nanoseconds.
+    lag: i64,
+    /// The level that counts; unknown while it is open which one does.
+    counts: Truth,
+    /// The change that is not known yet to count.
+    pending: Option<(TimedValue, Truth)>,
+}
+
+impl PulseFilter {
+    pub(crate) fn new(level: PulseLevel, longest: i64, lag: i64) -> PulseFilter {
+        PulseFilter { level, longest, lag, counts: Truth::Unknown, pending: None }
+    }
+
+    /// How long a change is held back at most before it is known whether it counts, nanoseconds.
+    pub(crate) fn holds_for(&self) -> i64 {
+        self.longest
+    }
+
+    /// The next event of the signal; hands on what counts.
+    pub(crate) fn see(&mut self, seen: &TimedValue, out: &mut impl FnMut(&TimedValue)) {
+        let level = self.level.of(seen.value);
+        let Some((old, before)) = self.pending else {
+            if level == self.counts && level != Truth::Unknown {
+                out(seen);
+            } else {
+                self.pending = Some((*seen, level));
+            }
+            return;
+        };
+        if level == before {
+            return;
+        }
+        let (least, most) = (seen.a.saturating_sub(old.b), seen.b.saturating_sub(old.a));
+        if before != Truth::Unknown && least > self.longest {
+            out(&old);
+            (self.counts, self.pending) = (before, Some((*seen, level)));
+        } else if self.counts == Truth::Unknown {
+            // Nothing has lasted for long enough.
+            self.pending = Some((*seen, level));
+        } else if level == self.counts {
+            if most <= self.longest {
+                self.pending = None;
+                // The level is what it was, a number may be another one.
+                out(seen);
+            } else {
+                self.leave_open((old, before), (*seen, level), out);
+            }
+        } else if before == Truth::Unknown && most <= self.longest {
+            // Somewhere in what is not known it came to be the other level.
+            self.pending = Some((TimedValue { a: old.a, since: old.since, ..*seen }, level));
+        } else {
+            self.leave_open((old, before), (*seen, level), out);
+        }
+    }
+
+    /// Whether this stretch counts is not known.
+    fn leave_open(
+        &mut self,
+        (old, level): (TimedValue, Truth),
+        next: (TimedValue, Truth),
+        out: &mut impl FnMut(&TimedValue),
+    ) {
+        out(&TimedValue { value: if level == Truth::Unknown { old.value } else { Value::Unknown }, ..old });
+        (self.counts, self.pending) = (Truth::Unknown, Some(next));
+    }
+
+    /// The trace has come to `now`: hands on a change that has lasted long enough by then.
+    pub(crate) fn settle(&mut self, now: i64, out: &mut impl FnMut(&TimedValue)) {
+        if now <= self.due() {
+            return;
+        }
+        if let Some((old, level)) = self.pending.take() {
+            out(&old);
+            self.counts = level;
+        }
+    }
+
+    /// After which instant of the trace a change is known to count; `i64::MAX` where none waits.
+    pub(crate) fn due(&self) -> i64 {
+        let Some((pending, _)) = self.pending else { return i64::MAX };
+        pending.b.saturating_add(self.longest).saturating_add(self.lag)
+    }
+
+    /// Nothing comes any more; the case ended at `end`.
+    pub(crate) fn finish(mut self, end: i64, out: &mut impl FnMut(&TimedValue)) {
+        let Some((old, level)) = self.pending.take() else { return };
+        let lasted = level == Truth::Unknown || end.saturating_sub(old.b) > self.longest;
+        out(&TimedValue { value: if lasted { old.value } else { Value::Unknown }, ..old });
+    }
+}
