@@ -402,8 +402,14 @@ struct Run {
 }
 
 impl SingleSignalMonitor {
-    fn new(common: Common) -> SingleSignalMonitor {
-        SingleSignalMonitor { common, last: None, extreme: None, run: None }
+    fn new(mut common: Common) -> SingleSignalMonitor {
+        let mut run = None;
+        if common.claim.longer_than.is_some() {
+            // What was there when the signal was first known may have begun long before.
+            run = Some(Run { piece: (Truth::Unknown, TimedValue::NOTHING), unreported: None, long: false });
+            common.segments.change(Truth::True, &TimedValue::NOTHING);
+        }
+        SingleSignalMonitor { common, last: None, extreme: None, run }
     }
 
     /// The last value lasted until here.
@@ -456,8 +462,6 @@ impl Monitor for SingleSignalMonitor {
             self.common.segments.change(class, seen);
             return;
         }
-        // Before the first event nothing is known; that stretch is over now.
-        self.common.segments.change(Truth::True, seen);
         if class == Truth::True {
             self.end_run((seen.a, seen.b));
         } else if self.run.as_ref().is_none_or(|run| run.piece.0 != class) {
