@@ -12,6 +12,9 @@ use crate::types::Elementary;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Ty {
     Scalar(Elementary),
+    /// A whole number of this type of fewer than 32 bits as the processor computes it: in 32 bits, signed or not as the
+    /// type. It costs what its type does.
+    Promoted(Elementary),
     /// Text with room for this many characters.
     Text {
         wide: bool,
@@ -30,6 +33,7 @@ impl Ty {
     pub fn bytes(self) -> u32 {
         match self {
             Ty::Scalar(ty) => ty.bytes() as u32,
+            Ty::Promoted(ty) => ty.promoted().bytes() as u32,
             Ty::Text { wide, length } => (length + 1) * if wide { 2 } else { 1 },
             Ty::Block { bytes } => bytes,
             Ty::Address => 4,
@@ -39,6 +43,7 @@ impl Ty {
     pub fn align(self) -> u32 {
         match self {
             Ty::Scalar(ty) => ty.bytes() as u32,
+            Ty::Promoted(ty) => ty.promoted().bytes() as u32,
             Ty::Text { wide, .. } => 1 + u32::from(wide),
             Ty::Block { .. } => 8,
             Ty::Address => 4,

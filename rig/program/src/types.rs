@@ -140,6 +140,20 @@ impl Elementary {
         matches!(self, Sint | Usint | Int | Uint | Dint | Udint | Lint | Ulint | Byte | Word | Dword | Lword)
     }
 
+    /// Whether the processor computes it in more bits than it has: whole numbers of fewer than 32.
+    pub(crate) const fn is_promoted(self) -> bool {
+        self.is_integer() && self.bits() < 32
+    }
+
+    /// The type that a whole number is computed in: one of at least 32 bits, signed or not as this one.
+    pub(crate) const fn promoted(self) -> Elementary {
+        match (self.is_promoted(), self.signed()) {
+            (true, true) => Dint,
+            (true, false) => Udint,
+            (false, _) => self,
+        }
+    }
+
     /// REAL and LREAL.
     pub const fn is_real(self) -> bool {
         matches!(self, Real | Lreal)

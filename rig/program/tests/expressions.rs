@@ -95,13 +95,22 @@ fn wrap(n: i128, ty: Elementary) -> i128 {
     if ty.signed() && n >= modulus / 2 { n - modulus } else { n }
 }
 
-/// The value; `None` where something is divided by 0.
+/// A number as the processor holds it that was computed of values of a type: in at least 32 bits.
+fn register(n: i128, ty: Elementary) -> i128 {
+    match (ty.bits(), ty.signed()) {
+        (8 | 16, true) => wrap(n, Elementary::Dint),
+        (8 | 16, false) => wrap(n, Elementary::Udint),
+        _ => wrap(n, ty),
+    }
+}
+
+/// The value, not cut yet; `None` where something is divided by 0.
 fn evaluate(e: &E, ty: Elementary, variables: &[[i128; 2]; 13]) -> Option<i128> {
     Some(match e {
         E::Number(n) => *n,
         E::Variable(second) => variables[slot(ty)][usize::from(*second)],
-        E::Unary("-", a) => wrap(-evaluate(a, ty, variables)?, ty),
-        E::Unary(_, a) => wrap(-1 - evaluate(a, ty, variables)?, ty),
+        E::Unary("-", a) => register(-evaluate(a, ty, variables)?, ty),
+        E::Unary(_, a) => wrap(-1 - wrap(evaluate(a, ty, variables)?, ty), ty),
         E::Converted(_, a) if ty == Elementary::Bool => i128::from(evaluate_converted(e, a, variables)? != 0),
         E::Converted(_, a) => wrap(evaluate_converted(e, a, variables)?, ty),
         E::Compared(op, of, a, b) => {
@@ -131,7 +140,7 @@ fn evaluate(e: &E, ty: Elementary, variables: &[[i128; 2]; 13]) -> Option<i128> 
                 "OR" => a | b,
                 _ => a ^ b,
             };
-            wrap(n, ty)
+            register(n, ty)
         }
     })
 }
@@ -220,13 +229,13 @@ fn check(e: &E, ty: Elementary, variables: &[[i128; 2]; 13]) {
     program.push_str(" END_VAR r := ");
     text(e, ty, 0, &mut program);
     program.push_str("; END_PROGRAM");
-    let expected = evaluate(e, ty, variables);
+    let expected = evaluate(e, ty, variables).map(|n| wrap(n, ty));
     let compiled = match compile(&sources(&program), &Options::default()) {
         Ok(compiled) => Arc::new(compiled),
         Err(findings) => {
             // Divisions by a constant 0 are found by the compiler already.
             assert!(
-                findings.iter().all(|f| f.code == "S0305" || f.code == "S0306"),
+                findings.iter().all(|f| ["S0305", "S0306"].contains(&f.code)),
                 "{program}\n{findings:#?}"
             );
             // The evaluator may have no value either; where a zero is constant it must have none.

@@ -16,6 +16,7 @@ mod nothing_ignored;
 mod objects;
 mod operators;
 mod pairs;
+mod promotion;
 mod retained;
 mod robust;
 mod services;

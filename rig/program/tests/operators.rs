@@ -1,5 +1,6 @@
 //! Every operator on every elementary type, at the edges, against a second evaluator. Whole numbers: IEC 61131-3,
-//! tables 28 to 33, with results that wrap at the width of the type, as the controllers do. Reals: IEEE 754.
+//! tables 28 to 33, with results that are cut to the width of the type where they are stored; what they are before that
+//! is in promotion.rs. Reals: IEEE 754.
 
 use crate::support::oracle::{Case, WHOLE, check, decimal, limits, literal, seen, width, wrap};
 use scanrig_program::Elementary::{self, *};

@@ -9,7 +9,10 @@ use crate::types::Elementary;
 
 /// Whether a conversion only takes the low bytes of the memory as they are.
 pub(super) fn is_cut(from: Ty, to: Ty) -> bool {
-    let (Ty::Scalar(from), Ty::Scalar(to)) = (from, to) else { return from == to };
+    if !matches!((from, to), (Ty::Scalar(_) | Ty::Promoted(_), Ty::Scalar(_) | Ty::Promoted(_))) {
+        return from == to;
+    }
+    let (from, to) = (ops::scalar(from), ops::scalar(to));
     let whole = |ty: Elementary| ty.is_integer() || ty == Elementary::Time;
     from == to
         || whole(from) && whole(to) && to.bytes() <= from.bytes()
@@ -18,7 +21,7 @@ pub(super) fn is_cut(from: Ty, to: Ty) -> bool {
 
 /// Whether the bytes of one type are taken as the other.
 pub(super) fn same_bits(from: Ty, to: Ty) -> bool {
-    let cell = |ty| matches!(ty, Ty::Scalar(_) | Ty::Address);
+    let cell = |ty| matches!(ty, Ty::Scalar(_) | Ty::Promoted(_) | Ty::Address);
     is_cut(from, to) || cell(from) && cell(to) && from.bytes() == to.bytes()
 }
 
@@ -28,7 +31,7 @@ impl Emitter<'_, '_, '_> {
         if matches!(from, Ty::Text { .. }) || matches!(to, Ty::Text { .. }) {
             return self.costs.text;
         }
-        let (from, to) = (ops::scalar(from), ops::scalar(to));
+        let (from, to) = (ops::priced(from), ops::priced(to));
         self.costs.op(if from.bits() > to.bits() { from } else { to })
     }
 

@@ -253,7 +253,7 @@ impl Emitter<'_, '_, '_> {
             UnaryOp::Negate => Some(ops::negate(ty)),
             UnaryOp::Absolute => ops::absolute(ty),
         };
-        let cost = self.costs.op(ty).saturating_add(value.cost).saturating_add(to.cost);
+        let cost = self.costs.op(ops::priced(value.ty)).saturating_add(value.cost).saturating_add(to.cost);
         self.operate(op.unwrap_or(ops::mov(ty)), [to.at, value.at, Operand(0)], cost, at);
     }
 
@@ -298,8 +298,8 @@ impl Emitter<'_, '_, '_> {
             return;
         }
         let cost = match op {
-            BinaryOp::Divide | BinaryOp::Mod => self.costs.div(ty),
-            _ => self.costs.op(ty),
+            BinaryOp::Divide | BinaryOp::Mod => self.costs.div(ops::priced(a.ty)),
+            _ => self.costs.op(ops::priced(a.ty)),
         };
         let cost = cost.saturating_add(a.cost).saturating_add(b.cost).saturating_add(to.cost);
         if let Some(op) = ops::arithmetic(op, ty) {
@@ -321,7 +321,7 @@ impl Emitter<'_, '_, '_> {
             return ([order, self.constant(0, ty).at], Elementary::Sint, 0);
         }
         let ty = ops::scalar(a.ty);
-        let cost = self.costs.op(ty).saturating_add(a.cost).saturating_add(b.cost);
+        let cost = self.costs.op(ops::priced(a.ty)).saturating_add(a.cost).saturating_add(b.cost);
         ([a.at, b.at], ty, cost)
     }
 
@@ -332,7 +332,7 @@ impl Emitter<'_, '_, '_> {
         let Some((which, choices)) = values.split_first() else { return };
         let Some((last, others)) = choices.split_last() else { return };
         let op = match to.ty {
-            Ty::Scalar(_) | Ty::Address => self.costs.op(ops::scalar(to.ty)),
+            Ty::Scalar(_) | Ty::Promoted(_) | Ty::Address => self.costs.op(ops::priced(to.ty)),
             Ty::Text { .. } | Ty::Block { .. } => self.copying(to.ty),
         };
         let mut cost =

@@ -83,7 +83,7 @@ impl Emitter<'_, '_, '_> {
     pub(super) fn transfer(&mut self, to: Dest, value: Value, cost: u32, at: SourcePlace) {
         let cost = cost.saturating_add(value.cost).saturating_add(to.cost);
         match to.ty {
-            Ty::Scalar(_) | Ty::Address => {
+            Ty::Scalar(_) | Ty::Promoted(_) | Ty::Address => {
                 let op = ops::mov(ops::scalar(to.ty));
                 self.operate(op, [to.at, value.at, Operand(0)], cost, at);
             }

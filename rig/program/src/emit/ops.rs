@@ -71,8 +71,17 @@ pub(super) fn relation(op: BinaryOp) -> Option<(CompareRelation, bool)> {
 pub(super) fn scalar(ty: Ty) -> Elementary {
     match ty {
         Ty::Scalar(ty) => ty,
+        Ty::Promoted(ty) => ty.promoted(),
         Ty::Address => Elementary::Dword,
         Ty::Text { .. } | Ty::Block { .. } => Elementary::Byte,
+    }
+}
+
+/// The type whose operations a value's cost: how many bits the processor takes for them makes no difference.
+pub(super) fn priced(ty: Ty) -> Elementary {
+    match ty {
+        Ty::Promoted(ty) => ty,
+        ty => scalar(ty),
     }
 }
 

@@ -115,7 +115,7 @@ impl Emitter<'_, '_, '_> {
     pub(super) fn reading(&self, ty: Ty, retained: bool) -> u32 {
         let kept = if retained { self.costs.retained } else { 0 };
         kept.saturating_add(match ty {
-            Ty::Scalar(_) | Ty::Address => self.costs.load(ops::scalar(ty)),
+            Ty::Scalar(_) | Ty::Promoted(_) | Ty::Address => self.costs.load(ops::priced(ty)),
             Ty::Text { .. } | Ty::Block { .. } => 0,
         })
     }
@@ -124,7 +124,7 @@ impl Emitter<'_, '_, '_> {
     pub(super) fn writing(&self, ty: Ty, retained: bool) -> u32 {
         let kept = if retained { self.costs.retained } else { 0 };
         kept.saturating_add(match ty {
-            Ty::Scalar(_) | Ty::Address => self.costs.store(ops::scalar(ty)),
+            Ty::Scalar(_) | Ty::Promoted(_) | Ty::Address => self.costs.store(ops::priced(ty)),
             Ty::Text { .. } | Ty::Block { .. } => 0,
         })
     }
@@ -132,7 +132,7 @@ impl Emitter<'_, '_, '_> {
     /// What copying a variable costs besides.
     pub(super) fn copying(&self, ty: Ty) -> u32 {
         match ty {
-            Ty::Scalar(_) | Ty::Address => 0,
+            Ty::Scalar(_) | Ty::Promoted(_) | Ty::Address => 0,
             Ty::Text { .. } => self.costs.text,
             Ty::Block { bytes } => self.costs.copy.saturating_mul(bytes.div_ceil(8)),
         }

@@ -163,7 +163,7 @@ impl Emitter<'_, '_, '_> {
         at: SourcePlace,
     ) {
         let ty = ops::scalar(chosen.ty);
-        let cost = self.costs.op(ty).saturating_add(self.costs.branch);
+        let cost = self.costs.op(ops::priced(chosen.ty)).saturating_add(self.costs.branch);
         let low_at = self.constant(low as i64, chosen.ty).at;
         if low == high {
             let (op, to) = if last {

@@ -1,5 +1,6 @@
 //! Constant expressions, and what is computed at compile time.
 
+use super::promote::{exceeds, whole_constant};
 use super::types::{Type, TypeId};
 use super::{Sema, WRONG};
 use crate::codes::Code;
@@ -16,12 +17,9 @@ impl<'a> Sema<'a> {
         self.context.constant = outer;
         let number = match &operand {
             super::literal::LiteralOperand::Integer(n) => i64::try_from(*n).ok(),
-            super::literal::LiteralOperand::Value(expr, ty) => match (&expr.kind, self.scalar(*ty)) {
-                (ExprKind::Constant(cell), Some(ty)) if ty.is_integer() => {
-                    i64::try_from(ty.number(*cell)).ok()
-                }
-                _ => None,
-            },
+            super::literal::LiteralOperand::Value(expr, _) => {
+                whole_constant(expr).and_then(|number| i64::try_from(number).ok())
+            }
             super::literal::LiteralOperand::Wrong => return None,
             _ => None,
         };
@@ -63,8 +61,18 @@ impl<'a> Sema<'a> {
     /// A unary operation, computed where the operand is constant.
     pub(super) fn unary(&mut self, op: UnaryOp, of: Expr, at: crate::findings::SourcePlace) -> Expr {
         let ty = of.ty;
-        if let (ExprKind::Constant(cell), Ty::Scalar(scalar)) = (&of.kind, ty) {
-            let cell = *cell;
+        if let (Some(number), Ty::Scalar(own)) = (whole_constant(&of), ty)
+            && own.is_promoted()
+        {
+            let whole = match op {
+                UnaryOp::Not => i128::from(own.wrap(!(number as i64))),
+                UnaryOp::Negate => -number,
+                UnaryOp::Absolute => number.abs(),
+            };
+            return self.small_constant(whole as i64, own, at);
+        }
+        if let (ExprKind::Constant(cell), Ty::Scalar(scalar) | Ty::Promoted(scalar)) = (&of.kind, ty) {
+            let (cell, scalar) = (*cell, if ty == Ty::Scalar(scalar) { scalar } else { scalar.promoted() });
             let folded = match op {
                 UnaryOp::Not if scalar == Elementary::Bool => i64::from(cell == 0),
                 UnaryOp::Not => scalar.wrap(!cell),
@@ -88,9 +96,19 @@ impl<'a> Sema<'a> {
         at: crate::findings::SourcePlace,
     ) -> Expr {
         let ty = if is_comparison(op) { Ty::Scalar(Elementary::Bool) } else { left.ty };
+        if let Ty::Scalar(own) = ty
+            && own.is_promoted()
+            && !is_shift(op)
+            && let (Some(a), Some(b)) = (whole_constant(&left), whole_constant(&right))
+            && let Some(whole) = fold(op, own.promoted(), a as i64, b as i64)
+        {
+            return self.small_constant(whole, own, at);
+        }
+        let left = if is_shift(op) { self.cut(left) } else { left };
         if let (ExprKind::Constant(a), ExprKind::Constant(b)) = (&left.kind, &right.kind) {
             let scalar = match left.ty {
                 Ty::Scalar(scalar) => scalar,
+                Ty::Promoted(scalar) => scalar.promoted(),
                 _ => Elementary::Udint,
             };
             if let Some(cell) = fold(op, scalar, *a, *b) {
@@ -100,15 +118,26 @@ impl<'a> Sema<'a> {
         Expr { kind: ExprKind::Binary(op, Box::new(left), Box::new(right)), ty, at }
     }
 
+    /// A constant of a type of fewer than 32 bits, computed in 32 and not cut yet.
+    fn small_constant(&mut self, whole: i64, ty: Elementary, at: crate::findings::SourcePlace) -> Expr {
+        let kind = ExprKind::Constant(ty.promoted().wrap(whole));
+        self.uncut(Expr { kind, ty: Ty::Promoted(ty), at })
+    }
+
     /// A conversion between scalars, computed where the value is constant; texts are converted when the code runs.
     pub(super) fn converted(&mut self, value: Expr, to: Ty) -> Expr {
         let at = value.at;
         if value.ty == to {
             return value;
         }
+        // A text is made by a function, whose parameter is of the type of the value.
+        let value = if matches!(to, Ty::Text { .. }) { self.cut(value) } else { self.promoted(value) };
         match (&value.kind, value.ty, to) {
             (ExprKind::Constant(cell), Ty::Scalar(from), Ty::Scalar(into)) => {
                 Expr { kind: ExprKind::Constant(convert(from, into, *cell)), ty: to, at }
+            }
+            (ExprKind::Constant(cell), Ty::Promoted(from), Ty::Scalar(into)) => {
+                Expr { kind: ExprKind::Constant(convert(from.promoted(), into, *cell)), ty: to, at }
             }
             _ => Expr { kind: ExprKind::Convert(Box::new(value)), ty: to, at },
         }
@@ -116,7 +145,23 @@ impl<'a> Sema<'a> {
 
     /// A value that goes into another type by itself: between whole numbers and bit strings at no cost.
     pub(super) fn widened(&mut self, value: Expr, to: Ty) -> Expr {
+        let value = match (value.ty, to) {
+            (Ty::Scalar(from), Ty::Scalar(into)) if exceeds(&value) => {
+                if into.is_promoted() && into.bits() > from.bits() {
+                    let whole = self.in_promoted(value, into);
+                    return self.uncut(whole);
+                }
+                if into.bits() > from.bits() { self.promoted(value) } else { value }
+            }
+            _ => value,
+        };
         match (value.ty, to) {
+            (Ty::Promoted(_), Ty::Scalar(into)) if into.is_integer() => match value.kind {
+                ExprKind::Constant(cell) => {
+                    Expr { kind: ExprKind::Constant(into.wrap(cell)), ty: to, at: value.at }
+                }
+                _ => self.reinterpreted(value, to),
+            },
             (Ty::Scalar(from), Ty::Scalar(into))
                 if !from.is_real() && !into.is_real() && same_scale(from, into) =>
             {
@@ -165,6 +210,12 @@ pub(super) fn is_comparison(op: BinaryOp) -> bool {
             | BinaryOp::Greater
             | BinaryOp::GreaterEqual
     )
+}
+
+/// Whether the first operand keeps to the width of its type.
+fn is_shift(op: BinaryOp) -> bool {
+    use BinaryOp::{RotateLeft, RotateRight, ShiftLeft, ShiftRight};
+    matches!(op, ShiftLeft | ShiftRight | RotateLeft | RotateRight)
 }
 
 fn real(ty: Elementary, cell: i64) -> f64 {

@@ -2,6 +2,7 @@
 
 use super::Sema;
 use super::literal::{LiteralOperand, in_range, integer_type, stored};
+use super::promote::whole_constant;
 use super::types::{Type, TypeId, WRONG};
 use crate::codes::Code;
 use crate::findings::SourcePlace;
@@ -134,6 +135,7 @@ impl<'a> Sema<'a> {
         if from == WRONG || to == WRONG {
             return None;
         }
+        let value = if from == to { self.cut(value) } else { value };
         if from == to {
             return Some(value);
         }
@@ -141,18 +143,17 @@ impl<'a> Sema<'a> {
         if let (Some(a), Some(b)) = (self.scalar(from), self.scalar(to)) {
             self.check_subrange_of(&value, to);
             if a == b {
-                return Some(value);
+                return Some(self.cut(value));
             }
             if matches!(self.ty(to), Type::Enumeration(_)) && !matches!(self.ty(from), Type::Enumeration(_)) {
                 let message = format!("{} becomes {}", self.type_name(from), self.type_name(to));
                 self.findings.warning(Code::SignChange, at, message, "not every number is one of its values");
             }
-            if let ExprKind::Constant(cell) = value.kind
-                && a.is_integer()
+            if let Some(number) = whole_constant(&value)
                 && b.is_integer()
-                && in_range(a.number(cell), b)
+                && in_range(number, b)
             {
-                return Some(self.constant(b.wrap(cell), b, at));
+                return Some(self.constant(b.wrap(number as i64), b, at));
             }
             return match implicit(a, b) {
                 Implicit::Silent => Some(self.widened(value, target)),
@@ -374,7 +375,7 @@ impl<'a> Sema<'a> {
 /// Whether a whole number is wider than the type that it goes into only because of how it was computed: operands of
 /// different signs met in a wider type, or TRUNC, which gives an INT in older tools, gave a DINT.
 fn goes_back(value: &Expr, to: Elementary) -> bool {
-    let crate::tree::Ty::Scalar(own) = value.ty else { return false };
+    let (Ty::Scalar(own) | Ty::Promoted(own)) = value.ty else { return false };
     if !own.is_integer() || !to.is_integer() {
         return false;
     }

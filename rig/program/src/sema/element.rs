@@ -3,6 +3,7 @@
 use super::Sema;
 use super::literal::LiteralOperand;
 use super::place::PathMeaning;
+use super::promote::whole_constant;
 use super::scope::FoundName;
 use super::types::{Type, TypeId, WRONG, stride};
 use crate::codes::Code;
@@ -114,9 +115,7 @@ impl Sema<'_> {
             let operand = self.expr(index, None);
             let known = match &operand {
                 LiteralOperand::Integer(n) => Some(*n),
-                LiteralOperand::Value(Expr { kind: ExprKind::Constant(cell), .. }, ty) => {
-                    self.scalar(*ty).filter(|ty| ty.is_integer()).map(|ty| ty.number(*cell))
-                }
+                LiteralOperand::Value(value, _) => whole_constant(value),
                 _ => None,
             };
             if let Some(n) = known {
@@ -142,6 +141,7 @@ impl Sema<'_> {
                 }
                 return None;
             }
+            let value = self.promoted(value);
             place.indices.push(tree::Index { value, low: *low, high: *high, stride: step as u32 });
         }
         place.ty = self.tree_type(of);

@@ -22,6 +22,7 @@ mod member;
 mod open;
 mod operator;
 mod place;
+mod promote;
 mod resolve;
 mod scope;
 mod standard;

@@ -53,7 +53,10 @@ impl<'a> Sema<'a> {
 
     /// Moves a value into a variable without a name.
     pub(super) fn set_aside(&mut self, value: &mut Expr, before: &mut Vec<Stmt>) {
-        let (ty, at) = (value.ty, value.at);
+        let wrong = Expr { kind: ExprKind::Constant(0), ty: value.ty, at: value.at };
+        let partial = std::mem::replace(value, wrong);
+        let partial = self.promoted(partial);
+        let (ty, at) = (partial.ty, partial.at);
         let place = TreePlace {
             root: TreeRoot::Frame,
             offset: self.hidden(ty),
@@ -62,8 +65,7 @@ impl<'a> Sema<'a> {
             retained: false,
             at,
         };
-        let load = Expr { kind: ExprKind::Load(place.clone()), ty, at };
-        let partial = std::mem::replace(value, load);
+        *value = self.uncut(Expr { kind: ExprKind::Load(place.clone()), ty, at });
         before.push(Stmt { kind: StmtKind::Assign(Target::Place(place), partial), at });
     }
 
@@ -124,7 +126,9 @@ impl<'a> Sema<'a> {
         let (Some(left), Some(right)) = (self.give_beside(a, ty, at), self.give_beside(b, ty, at)) else {
             return LiteralOperand::Wrong;
         };
+        let (left, right) = self.promoted_for(kind, left, right);
         let value = self.binary(kind, left, right, at);
+        let value = self.uncut(value);
         let result = if is_comparison(kind) {
             self.elementary(Elementary::Bool)
         } else {
@@ -368,6 +372,7 @@ impl<'a> Sema<'a> {
         }
         let Some(left) = self.give(duration, id, at) else { return LiteralOperand::Wrong };
         let Some((number, _)) = self.own_value(number, at) else { return LiteralOperand::Wrong };
+        let number = self.promoted(number);
         let to = Ty::Scalar(ty);
         let right = match number.kind {
             ExprKind::Constant(cell) => {

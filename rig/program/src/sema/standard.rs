@@ -236,7 +236,9 @@ impl<'a> Sema<'a> {
                 match self.scalar(ty) {
                     Some(scalar) if scalar.is_integer() || scalar.is_real() => {
                         let id = self.elementary(scalar);
-                        LiteralOperand::Value(self.unary(UnaryOp::Absolute, value, at), id)
+                        let value = self.promoted(value);
+                        let value = self.unary(UnaryOp::Absolute, value, at);
+                        LiteralOperand::Value(self.uncut(value), id)
                     }
                     _ => self.no_operator("ABS", ty, at),
                 }
@@ -294,7 +296,7 @@ impl<'a> Sema<'a> {
             };
             list.push(value);
         }
-        Some((list, ty))
+        Some((self.all_promoted(list), ty))
     }
 
     fn extremes(
@@ -314,7 +316,7 @@ impl<'a> Sema<'a> {
         let mut list = list.into_iter();
         let Some(first) = list.next() else { return LiteralOperand::Wrong };
         let value = list.fold(first, |so_far, next| self.binary(op, so_far, next, at));
-        LiteralOperand::Value(value, ty)
+        LiteralOperand::Value(self.uncut(value), ty)
     }
 
     /// The least or greatest text. Each is used twice, to be compared and to be chosen: what has to be computed is put
@@ -371,7 +373,8 @@ impl<'a> Sema<'a> {
             };
         }
         let raised = self.binary(BinaryOp::Greatest, low, value, at);
-        LiteralOperand::Value(self.binary(BinaryOp::Least, raised, high, at), ty)
+        let limited = self.binary(BinaryOp::Least, raised, high, at);
+        LiteralOperand::Value(self.uncut(limited), ty)
     }
 
     fn select(&mut self, values: &[&ast::Expr], at: SourcePlace) -> LiteralOperand {
@@ -380,8 +383,7 @@ impl<'a> Sema<'a> {
         let selector = self.value(selector, bool_type);
         let Some((list, ty)) = self.together(rest, "SEL", at) else { return LiteralOperand::Wrong };
         let Some(selector) = selector else { return LiteralOperand::Wrong };
-        let kind = ExprKind::Select(Box::new(selector), list);
-        LiteralOperand::Value(Expr { kind, ty: self.tree_type(ty), at }, ty)
+        self.selected(selector, list, ty, at)
     }
 
     fn multiplex(&mut self, values: &[&ast::Expr], at: SourcePlace) -> LiteralOperand {
@@ -393,8 +395,17 @@ impl<'a> Sema<'a> {
         if !self.scalar(selector_type).is_some_and(Elementary::is_integer) {
             return self.no_operator("MUX", selector_type, at);
         }
-        let kind = ExprKind::Select(Box::new(selector), list);
-        LiteralOperand::Value(Expr { kind, ty: self.tree_type(ty), at }, ty)
+        let selector = self.promoted(selector);
+        self.selected(selector, list, ty, at)
+    }
+
+    fn selected(&mut self, selector: Expr, list: Vec<Expr>, ty: TypeId, at: SourcePlace) -> LiteralOperand {
+        let own = self.tree_type(ty);
+        // Promoted values are all promoted; texts may differ in length.
+        let common = list.first().map_or(own, |value| value.ty);
+        let tree_type = if matches!(common, Ty::Promoted(_)) { common } else { own };
+        let value = Expr { kind: ExprKind::Select(Box::new(selector), list), ty: tree_type, at };
+        LiteralOperand::Value(self.uncut(value), ty)
     }
 
     fn shift(&mut self, op: BinaryOp, key: &str, values: &[&ast::Expr], at: SourcePlace) -> LiteralOperand {

@@ -347,6 +347,7 @@ impl<'a> Sema<'a> {
         let otherwise = self.statements(otherwise);
         self.check_labels(seen);
         let (selector, _) = value?;
+        let selector = self.promoted(selector);
         ty?;
         Some(StmtKind::Case { selector, arms: out, otherwise })
     }

@@ -1,7 +1,7 @@
 //! Walks the tree of a program: values and modelled time.
 
 use super::tree::{E, S, V};
-use crate::support::oracle::{limits, width, wrap};
+use crate::support::oracle::{limits, register, width, wrap};
 use scanrig_program::Elementary::{self, *};
 use scanrig_program::ProgramFaultKind;
 use std::collections::BTreeMap;
@@ -59,10 +59,18 @@ fn apply(
     d: fn(f64, f64) -> f64,
 ) -> V {
     match (a, b) {
-        (V::N(a), V::N(b)) => V::N(wrap(on_whole(a, b), ty)),
+        (V::N(a), V::N(b)) => V::N(register(on_whole(a, b), ty)),
         (V::F(a), V::F(b)) => V::F(f(a, b)),
         (V::D(a), V::D(b)) => V::D(d(a, b)),
         _ => panic!("{a:?} and {b:?}"),
+    }
+}
+
+/// The value as a variable of the type holds it.
+fn cut(ty: Elementary, v: V) -> V {
+    match v {
+        V::N(n) => V::N(wrap(n, ty)),
+        v => v,
     }
 }
 
@@ -163,7 +171,7 @@ impl Walk {
                 self.get(&name)
             }
             E::Not(a) => {
-                let a = whole(self.value(ty, a)?);
+                let a = whole(cut(ty, self.value(ty, a)?));
                 self.cost += op;
                 V::N(if ty == Bool { 1 - a } else { wrap(!a, ty) })
             }
@@ -187,7 +195,7 @@ impl Walk {
                     "*" => apply(ty, a, b, |a, b| a.wrapping_mul(b), |a, b| a * b, |a, b| a * b),
                     "/" | "MOD" if matches!(b, V::N(0)) => return Err(ProgramFaultKind::DivisionByZero),
                     "/" => apply(ty, a, b, |a, b| a / b, |a, b| a / b, |a, b| a / b),
-                    "MOD" => V::N(wrap(whole(a) % whole(b), ty)),
+                    "MOD" => V::N(register(whole(a) % whole(b), ty)),
                     "AND" => V::N(whole(a) & whole(b)),
                     "OR" => V::N(whole(a) | whole(b)),
                     "XOR" => V::N(whole(a) ^ whole(b)),
@@ -196,7 +204,8 @@ impl Walk {
                 }
             }
             E::Shift(which, a, count) => {
-                let (a, count) = (whole(self.value(ty, a)?), whole(self.value(Usint, count)?) as u32);
+                let (a, count) =
+                    (whole(cut(ty, self.value(ty, a)?)), whole(self.value(Usint, count)?) as u32);
                 self.cost += op;
                 let (bits, signed) = width(ty);
                 let (full, turn) = ((1 << bits) - 1, count % bits);
@@ -260,7 +269,7 @@ impl Walk {
                 }))
             }
             E::Call(a) => {
-                let a = self.value(ty, a)?;
+                let a = cut(ty, self.value(ty, a)?);
                 // v1 := v1 op x; side := v1;
                 self.cost += CALL + load + load + op + store + load + store;
                 let name = format!("v1_{}", ty.name());
@@ -335,13 +344,13 @@ impl Walk {
             S::Assign(ty, name, value) => {
                 let v = self.value(*ty, value)?;
                 self.cost += costs(*ty)[1];
-                self.set(name, v);
+                self.set(name, cut(*ty, v));
             }
             S::Element(ty, index, value) => {
                 let name = self.element(*ty, index)?;
                 let v = self.value(*ty, value)?;
                 self.cost += costs(*ty)[1];
-                self.set(&name, v);
+                self.set(&name, cut(*ty, v));
             }
             S::If(arms, otherwise) => {
                 for (condition, body) in arms {
@@ -368,7 +377,7 @@ impl Walk {
                 let [load, store, op, _] = costs(*ty);
                 self.cost += store;
                 self.set(name, V::N(*from));
-                let to = whole(self.value(*ty, to)?);
+                let to = whole(cut(*ty, self.value(*ty, to)?));
                 loop {
                     self.cost += load + op + BRANCH;
                     let n = whole(self.get(name));

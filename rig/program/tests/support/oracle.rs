@@ -42,6 +42,16 @@ pub fn wrap(n: i128, ty: Elementary) -> i128 {
     if signed && n >= 1 << (bits - 1) { n - (1 << bits) } else { n }
 }
 
+/// The number as the processor holds it that was computed of values of the type: in at least 32 bits.
+pub fn register(n: i128, ty: Elementary) -> i128 {
+    match (width(ty), ty) {
+        (_, Bool) => wrap(n, ty),
+        ((8 | 16, true), _) => wrap(n, Dint),
+        ((8 | 16, false), _) => wrap(n, Udint),
+        _ => wrap(n, ty),
+    }
+}
+
 /// A literal of a type.
 pub fn literal(ty: Elementary, n: i128) -> String {
     match ty {
