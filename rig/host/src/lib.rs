@@ -3,6 +3,7 @@
 //! Goals: one place for what is not portable; no call that allocates once it is set up; every failed call with its
 //! name. Not goals: devices (`drivers`), what runs when (`runtime`).
 
+mod background;
 mod bell;
 mod counter;
 mod datagram;
@@ -20,6 +21,7 @@ mod thread;
 mod time;
 mod watchdog;
 
+pub use background::{Abandoned, BackgroundTask, TaskProgress};
 pub use bell::{Bell, Woken};
 pub use counter::{
     COUNTER_RECORD, CounterEvent, CounterEventKind, disable_counter_events, enable_counter_events,
