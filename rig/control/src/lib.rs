@@ -15,7 +15,7 @@ mod message;
 pub mod place;
 mod value;
 
-pub use client::{ClientError, ControlClient};
+pub use client::{ClientError, Connection, ControlClient, connect};
 pub use codes::CODES;
 pub use message::{
     Advanced, BusInfo, BusStatus, ChannelInfo, ControllerAction, Description, DeviceInfo, DeviceStatus, Done,

@@ -94,6 +94,53 @@ fn events_beside_an_answer_are_kept_in_their_order() {
 }
 
 #[test]
+fn a_rig_that_sends_events_without_an_answer_is_waited_for_no_longer_than_any_other() {
+    for event in [
+        r#"{"event":"log","subscription":1,"at":5,"text":"one"}"#,
+        r#"{"event":"dream"}"#,
+        r#"{"id":9,"ok":{}}"#,
+    ] {
+        let fake = Fake::polite(move |mut lines| {
+            assert_eq!(line(&mut lines), r#"{"id":2,"do":"abort"}"#);
+            // Until the client has gone.
+            while lines.get_mut().write_all(format!("{event}\n").as_bytes()).is_ok() {}
+        });
+        let mut client = fake.client().unwrap();
+        let silent = client.ask_within::<Done>(RequestOperation::Abort, SOON).unwrap_err();
+        assert_eq!(silent.fault().code, "R0647", "{event}");
+        drop(client);
+        fake.end();
+    }
+}
+
+#[test]
+fn a_line_in_pieces_is_waited_for_no_longer_than_any_other() {
+    let fake = Fake::polite(|mut lines| {
+        assert_eq!(line(&mut lines), r#"{"id":2,"do":"abort"}"#);
+        while lines.get_mut().write_all(b"x").is_ok() {}
+    });
+    let mut client = fake.client().unwrap();
+    let silent = client.ask_within::<Done>(RequestOperation::Abort, SOON).unwrap_err();
+    assert_eq!(silent.fault().code, "R0647");
+    drop(client);
+    fake.end();
+}
+
+#[test]
+fn a_rig_that_takes_no_connection_does_not_keep_its_client_waiting() {
+    let folder = tempfile::tempdir().unwrap();
+    let socket = folder.path().join("stopped.sock");
+    let _listener = UnixListener::bind(&socket).unwrap();
+    let mut waiting = Vec::new();
+    // As a rig that stands still: whoever comes waits for a place.
+    while let control::Connection::Open(stream) = control::connect(&socket, Duration::ZERO).unwrap() {
+        waiting.push(stream);
+    }
+    let silent = ControlClient::meet(&socket, SOON).unwrap_err();
+    assert_eq!(silent.fault().code, "R0647");
+}
+
+#[test]
 fn an_answer_that_comes_too_late_is_not_taken_for_the_next() {
     let fake = Fake::polite(|mut lines| {
         assert_eq!(line(&mut lines), r#"{"id":2,"do":"abort"}"#);

@@ -51,8 +51,10 @@ impl LineStream {
         LineStream { stream, bytes: Vec::new(), begin: 0, seen: 0 }
     }
 
-    /// The next line without its end; `None` where there is none by this instant.
+    /// The next line without its end; `None` where there is none by this instant. What is there when it has passed is still
+    /// given, but no line is waited for that comes in pieces.
     pub fn next(&mut self, until: Option<Instant>) -> Result<Option<&[u8]>, LineError> {
+        let mut last = false;
         loop {
             if let Some(length) = self.bytes[self.seen..].iter().position(|byte| *byte == b'\n') {
                 let (begin, end) = (self.begin, self.seen + length);
@@ -63,7 +65,8 @@ impl LineStream {
             if self.seen - self.begin > LONGEST {
                 return Err(LineError::TooLong);
             }
-            if !self.fill(until)? {
+            let over = until.is_some_and(|until| Instant::now() >= until);
+            if std::mem::replace(&mut last, over) || !self.fill(until)? {
                 return Ok(None);
             }
         }

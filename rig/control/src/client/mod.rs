@@ -1,10 +1,12 @@
 //! A client that waits for its answers: [`ControlClient`] for whoever asks one thing after the other, and [`ControlClient::split`] for
 //! whoever listens in one thread and asks from another.
 
+mod connect;
 mod error;
 mod find;
 mod lines;
 
+pub use connect::{Connection, connect};
 pub use error::ClientError;
 pub use find::{by_name, only, running};
 
@@ -74,7 +76,9 @@ impl ControlClient {
     /// See [`ControlClient::connect`].
     pub fn meet(socket: &Path, patience: Duration) -> Result<ControlClient, ClientError> {
         let unreachable = |error: std::io::Error| ClientError::Unreachable(socket.to_owned(), error.kind());
-        let stream = UnixStream::connect(socket).map_err(unreachable)?;
+        let Connection::Open(stream) = connect(socket, patience).map_err(unreachable)? else {
+            return Err(ClientError::Silent(socket.to_owned(), patience));
+        };
         stream.set_write_timeout(Some(PATIENCE)).map_err(unreachable)?;
         let write = stream.try_clone().map_err(unreachable)?;
         let mut receiver = ControlReceiver { lines: LineStream::new(stream), socket: socket.to_owned() };
@@ -113,8 +117,7 @@ impl ControlClient {
         let id = self.sender.send(ask)?;
         let until = Instant::now() + patience;
         loop {
-            let left = until.saturating_duration_since(Instant::now());
-            match self.receiver.next(Some(left))? {
+            match self.receiver.next_until(Some(until))? {
                 Some(ServerMessage::Reply(reply)) if reply.id == Some(id) => return answer(reply),
                 // An answer without a number is to a line that the rig could not read, and this client waits for one
                 // at a time; any other number is of an answer that was given up.
@@ -122,6 +125,10 @@ impl ControlClient {
                 Some(ServerMessage::Reply(_)) => {}
                 Some(ServerMessage::Event(event)) => self.put_aside(event),
                 None => return Err(ClientError::Silent(self.receiver.socket.clone(), patience)),
+            }
+            // Whatever else comes, and however fast, does not put off the end of the wait.
+            if Instant::now() >= until {
+                return Err(ClientError::Silent(self.receiver.socket.clone(), patience));
             }
         }
     }
@@ -144,11 +151,10 @@ impl ControlClient {
         }
         let until = Instant::now() + patience;
         loop {
-            let left = until.saturating_duration_since(Instant::now());
-            match self.receiver.next(Some(left))? {
+            match self.receiver.next_until(Some(until))? {
                 Some(ServerMessage::Event(event)) => return Ok(Some(event)),
-                Some(ServerMessage::Reply(_)) => {}
-                None => return Ok(None),
+                Some(ServerMessage::Reply(_)) if Instant::now() < until => {}
+                Some(ServerMessage::Reply(_)) | None => return Ok(None),
             }
         }
     }
@@ -210,7 +216,10 @@ impl ControlReceiver {
     /// # Errors
     /// A connection that is lost, or that the rig ended.
     pub fn next(&mut self, patience: Option<Duration>) -> Result<Option<ServerMessage>, ClientError> {
-        let until = patience.map(|patience| Instant::now() + patience);
+        self.next_until(patience.map(|patience| Instant::now() + patience))
+    }
+
+    fn next_until(&mut self, until: Option<Instant>) -> Result<Option<ServerMessage>, ClientError> {
         loop {
             let Some(line) = self.lines.next(until).map_err(|broken| broken.of(&self.socket))? else {
                 return Ok(None);
@@ -220,6 +229,8 @@ impl ControlReceiver {
                     return Err(ClientError::Ended(why));
                 }
                 Some(message) => return Ok(Some(message)),
+                // One of a younger rig.
+                None if until.is_some_and(|until| Instant::now() >= until) => return Ok(None),
                 None => {}
             }
         }
