@@ -3,12 +3,14 @@
 use std::fs::{self, DirBuilder, File, Permissions};
 use std::io::{self, ErrorKind};
 use std::os::unix::fs::{DirBuilderExt, FileTypeExt, MetadataExt, PermissionsExt};
-use std::os::unix::net::{UnixListener, UnixStream};
+use std::os::unix::net::UnixListener;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
-use control::RequestFault;
+use control::{Connection, RequestFault, connect};
 use nix::unistd::Group;
 use rustix::fs::{FlockOperation, Gid, chown, flock};
+use rustix::io::Errno;
 
 use super::decode::fault;
 use crate::codes;
@@ -19,6 +21,10 @@ const SOCKET_MODE: u32 = 0o660;
 const FOLDER_MODE: u32 = 0o750;
 /// The longest path that the kernel takes for a socket, bytes.
 const LONGEST_PATH: usize = 107;
+/// How long another program may hold the lock on the socket's folder: a rig that starts or ends needs it for milliseconds.
+const TURN: Duration = Duration::from_secs(2);
+/// How often the lock is asked for: the kernel has no wait for it with a limit.
+const ASK: Duration = Duration::from_millis(10);
 
 /// A socket that listens. Its file goes when this does, if it is still its own.
 #[derive(Debug)]
@@ -56,7 +62,10 @@ impl Socket {
             }
         }
         make_folder(folder, group).map_err(|error| refused(&path, &error))?;
-        let _turn = Turn::take(folder).map_err(|error| refused(&path, &error))?;
+        let _turn = Turn::take(folder).map_err(|error| match error.kind() {
+            ErrorKind::WouldBlock => held(&path, folder),
+            _ => refused(&path, &error),
+        })?;
         unserved(&path)?;
         let (listener, file) = make(&half, &path, group).map_err(|error| {
             let _ = fs::remove_file(&half);
@@ -75,6 +84,7 @@ impl Drop for Socket {
     fn drop(&mut self) {
         let Some(folder) = self.path.parent() else { return };
         let Ok(_turn) = Turn::take(folder) else { return };
+        // Without the turn the file stays: the next rig takes over a socket that nobody serves.
         // Another rig may have taken its place, where somebody removed the file meanwhile.
         if fs::symlink_metadata(&self.path).is_ok_and(|found| (found.dev(), found.ino()) == self.file) {
             let _ = fs::remove_file(&self.path);
@@ -86,10 +96,18 @@ impl Drop for Socket {
 struct Turn(#[expect(dead_code, reason = "the lock ends when the file is closed")] File);
 
 impl Turn {
+    /// Waits for the turn, no longer than [`TURN`]: anybody who may open the folder may lock it, and for good.
     fn take(folder: &Path) -> io::Result<Turn> {
         let folder = File::open(folder)?;
-        flock(&folder, FlockOperation::LockExclusive)?;
-        Ok(Turn(folder))
+        let until = Instant::now() + TURN;
+        loop {
+            match flock(&folder, FlockOperation::NonBlockingLockExclusive) {
+                Ok(()) => return Ok(Turn(folder)),
+                Err(Errno::INTR) => {}
+                Err(Errno::WOULDBLOCK) if Instant::now() < until => std::thread::sleep(ASK),
+                Err(error) => return Err(error.into()),
+            }
+        }
     }
 }
 
@@ -115,11 +133,12 @@ fn unserved(path: &Path) -> Result<(), RequestFault> {
         }
         Ok(_) => {}
     }
-    match UnixStream::connect(path) {
+    match connect(path, Duration::ZERO) {
         Err(error) if error.kind() == ErrorKind::ConnectionRefused => Ok(()),
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
         Err(error) => Err(refused(path, &error)),
-        Ok(_) => {
+        // A rig that stands still takes no connection, and has its socket all the same.
+        Ok(Connection::Open(_) | Connection::NotTaken) => {
             let message = format!("a rig that runs serves {}", path.display());
             Err(fault(codes::SERVED, message, "end it, or give this rig another `socket`"))
         }
@@ -151,6 +170,20 @@ fn group_of(name: &str) -> Result<Gid, RequestFault> {
             Err(fault(codes::GROUP, format!("the group {name} cannot be looked up: {error}"), help))
         }
     }
+}
+
+fn held(path: &Path, folder: &Path) -> RequestFault {
+    let message = format!(
+        "the socket {} cannot be made: another program has had the folder {} locked for {} s",
+        path.display(),
+        folder.display(),
+        TURN.as_secs()
+    );
+    fault(
+        codes::SOCKET,
+        message,
+        "end that program (`lslocks` lists who holds what), or name a `socket` elsewhere",
+    )
 }
 
 fn refused(path: &Path, error: &io::Error) -> RequestFault {

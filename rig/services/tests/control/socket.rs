@@ -3,7 +3,10 @@
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::os::unix::net::UnixListener;
+use std::time::{Duration, Instant};
 
+use control::{Connection, connect};
+use rustix::fs::{FlockOperation, flock};
 use scanrig_services::control::{SocketSettings, serve};
 use serde_json::json;
 
@@ -62,4 +65,36 @@ fn what_cannot_be_a_socket_is_refused_and_stays() {
     let deep = folder.path().join("a/b/rig.sock");
     drop(serve(Fake::default(), SocketSettings::of(deep.clone()), |_| {}).expect("a socket"));
     assert!(deep.parent().is_some_and(std::path::Path::is_dir) && !deep.exists());
+}
+
+/// How long a rig may wait for another program at its start and its end.
+const BOUND: Duration = Duration::from_secs(20);
+
+#[test]
+fn a_rig_whose_backlog_is_full_has_its_socket_and_is_not_waited_for() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let socket = folder.path().join("stopped.sock");
+    let _listener = UnixListener::bind(&socket).expect("a socket");
+    let mut waiting = Vec::new();
+    while let Connection::Open(stream) = connect(&socket, Duration::ZERO).expect("somebody listens") {
+        waiting.push(stream);
+    }
+    assert_eq!(refused(SocketSettings::of(socket)), "R0630");
+}
+
+#[test]
+fn who_holds_the_lock_on_the_folder_holds_up_neither_the_start_nor_the_end() {
+    let mut bench = Bench::new();
+    let folder = fs::File::open(bench.folder.path()).expect("the folder");
+    flock(&folder, FlockOperation::LockExclusive).expect("the lock");
+    let began = Instant::now();
+    assert_eq!(refused(SocketSettings::of(bench.folder.path().join("other.sock"))), "R0631");
+    let mut client = bench.client();
+    drop(bench.serving.take());
+    assert_eq!(client.line()["event"], "gone");
+    assert!(began.elapsed() < BOUND, "{:?}", began.elapsed());
+    // What it could not remove is taken over.
+    drop(folder);
+    bench.start(|_| {});
+    bench.client();
 }
