@@ -249,14 +249,14 @@ impl Files {
             || stored(&*self.store, path).is_some()
     }
 
-    /// Removes the files of a folder, but for those of another one inside it.
-    pub(crate) fn erase(&mut self, folder: &str, except: Option<&str>) {
+    /// Removes the files of a folder, but for those that `kept` names: files, and folders with all that is in them.
+    pub(crate) fn erase(&mut self, folder: &str, kept: &[&str]) {
         let below = |name: &str, folder: &str| {
             name.get(..folder.len()).is_some_and(|begin| begin.eq_ignore_ascii_case(folder))
         };
         let mut names = Vec::new();
         self.store.list(&mut |name, _| {
-            if below(name, folder) && !except.is_some_and(|spared| below(name, spared)) {
+            if below(name, folder) && !kept.iter().any(|kept| below(name, kept)) {
                 names.push(name.to_owned());
             }
         });

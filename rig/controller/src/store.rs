@@ -23,8 +23,6 @@ pub(crate) const USER_FOLDER: &str = "/usr/";
 pub(crate) const APPLICATION_FOLDER: &str = "/usr/App/";
 /// Configuration.
 pub(crate) const CONFIGURATION_FOLDER: &str = "/usr/Cfg/";
-/// Data logging of the application.
-pub(crate) const LOG_FOLDER: &str = "/usr/Log/";
 /// Records of the system.
 pub(crate) const SYSTEM_LOG_FOLDER: &str = "/usr/Syslog/";
 /// Pages of the web visualisation (rig definition: the documents name no folder).

@@ -2,8 +2,8 @@
 
 use crate::controller::Controller;
 use crate::store::{
-    APPLICATION_FOLDER, CERTIFICATES_FOLDER, CONFIGURATION_FOLDER, LOG_FOLDER, POST_CONFIGURATION_FILE,
-    RETAIN_MAP, RIGHTS_FILE, SYSTEM_LOG_FOLDER, USER_FOLDER, VISUALISATION_FOLDER,
+    APPLICATION_FOLDER, CERTIFICATES_FOLDER, CONFIGURATION_FOLDER, POST_CONFIGURATION_FILE, RETAIN_MAP,
+    RIGHTS_FILE, SYSTEM_LOG_FOLDER, USER_FOLDER, VISUALISATION_FOLDER,
 };
 use crate::{CommandError, DeviceReset};
 use crate::{Effects, RETAIN_FILES, State};
@@ -19,16 +19,17 @@ impl Controller {
     ) -> Result<(), CommandError> {
         self.erase_application(now)?;
         let profile = self.config.profile;
-        for folder in [APPLICATION_FOLDER, LOG_FOLDER] {
-            self.files.erase(folder, None);
-        }
-        self.files.store_mut().remove(POST_CONFIGURATION_FILE);
-        if profile != Profile::M241_2014 {
-            // controller:RO-02
-            self.files.erase(VISUALISATION_FOLDER, None);
-        }
+        // All files of the user (controller:RO-02). The documents of the M241 name neither user rights nor certificates
+        // among them, that of 2014 no web visualisation either; the logs of the system are nobody's files.
+        let kept: &[&str] = match profile {
+            Profile::M241_2014 => {
+                &[SYSTEM_LOG_FOLDER, RIGHTS_FILE, CERTIFICATES_FOLDER, VISUALISATION_FOLDER]
+            }
+            Profile::M241_2019 => &[SYSTEM_LOG_FOLDER, RIGHTS_FILE, CERTIFICATES_FOLDER],
+            Profile::M251_2024 => &[SYSTEM_LOG_FOLDER],
+        };
+        self.files.erase(USER_FOLDER, kept);
         if profile == Profile::M251_2024 {
-            self.files.erase(USER_FOLDER, Some(SYSTEM_LOG_FOLDER));
             self.boot_file_changed();
             self.boot(now, fx);
         } else {
@@ -57,7 +58,7 @@ impl Controller {
             self.erase_application(now)?;
             // Recipes, data logs and the logs of the system stay (controller:ROD-03, controller:ROD-04).
             for folder in [APPLICATION_FOLDER, VISUALISATION_FOLDER] {
-                self.files.erase(folder, None);
+                self.files.erase(folder, &[]);
             }
             self.files.store_mut().remove(POST_CONFIGURATION_FILE);
             self.boot_file_changed();
@@ -68,7 +69,7 @@ impl Controller {
             self.files.store_mut().remove(RIGHTS_FILE);
         }
         if reset.certificates {
-            self.files.erase(CERTIFICATES_FOLDER, None);
+            self.files.erase(CERTIFICATES_FOLDER, &[]);
         }
         if reset.plc_logic {
             self.enter(State::Empty, now, fx);
@@ -94,9 +95,9 @@ impl Controller {
 
     /// What a firmware update deletes (controller:FW-02).
     pub(in crate::controller) fn erase_for_firmware(&mut self) {
-        self.files.erase(APPLICATION_FOLDER, None);
+        self.files.erase(APPLICATION_FOLDER, &[]);
         if self.config.profile == Profile::M251_2024 {
-            self.files.erase(CONFIGURATION_FOLDER, None);
+            self.files.erase(CONFIGURATION_FOLDER, &[]);
         }
     }
 }
