@@ -62,13 +62,6 @@ pub enum LogEntry {
     },
     /// An application was not valid.
     Load(LoadError),
-    /// Two tasks write outputs of one byte (controller:PRIO-05, M241 of 2014 only).
-    SharedOutputByte {
-        /// Byte of %Q.
-        byte: u32,
-        /// The tasks.
-        tasks: (usize, usize),
-    },
     /// Another application took over while the controller went on (controller:TR-17).
     OnlineChange {
         /// Only code differs, no variable.

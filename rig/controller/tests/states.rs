@@ -252,7 +252,7 @@ fn outputs_of_one_byte_in_two_tasks() {
     let error = LoadError::SharedOutputByte { byte: 0, tasks: (0, 1) };
     assert_eq!(rig.plc.commission(b"app", State::Running), Err(error));
     let rig = Rig::running(Config { profile: Profile::M241_2014, ..two }, script);
-    assert!(rig.log().contains(&LogEntry::SharedOutputByte { byte: 0, tasks: (0, 1) }));
+    assert!(rig.log().contains(&LogEntry::Warning(Warning::SharedOutputByte { byte: 0, tasks: (0, 1) })));
 }
 
 #[test]

@@ -37,6 +37,13 @@ pub enum Warning {
         /// The input.
         input: usize,
     },
+    /// Two tasks write outputs of one byte, which the M241 of 2014 takes with a warning (controller:PRIO-05, io:EIO-17).
+    SharedOutputByte {
+        /// Byte of %Q.
+        byte: u32,
+        /// The tasks.
+        tasks: (usize, usize),
+    },
 }
 
 impl Warning {
@@ -61,6 +68,9 @@ impl Warning {
             }
             Warning::NoInputEvent { task, input } => {
                 format!("{} waits for the event of I{input}, which raises none: set its `event`", name(task))
+            }
+            Warning::SharedOutputByte { byte, tasks: (first, second) } => {
+                format!("outputs of %QB{byte} are written by {} and by {}", name(first), name(second))
             }
         }
     }

@@ -40,7 +40,7 @@ use crate::scheduler::{Scheduler, TaskTrigger};
 use crate::system::System;
 use crate::{
     Application, Config, ConfigError, Effects, IoModule, LoadError, Loader, Memory, NonVolatile, Probe,
-    RegisterProbe, State, TaskConfig, TaskKind, VariableReset, WriteError,
+    RegisterProbe, State, TaskConfig, TaskKind, VariableReset, Warning, WriteError,
 };
 use online_change::Pending;
 use signal::{Cause, Time, Value};
@@ -257,8 +257,23 @@ impl Controller {
         Ok(application)
     }
 
+    /// What the application of a bundle is taken with a warning for; nothing where it is not valid.
+    pub fn application_warning(&mut self, bundle: &[u8]) -> Option<Warning> {
+        // One task shares no output.
+        if self.config.tasks.len() < 2 {
+            return None;
+        }
+        let application = self.build(bundle).ok()?;
+        self.warning_of(&*application)
+    }
+
+    pub(super) fn warning_of(&self, application: &dyn Application) -> Option<Warning> {
+        let (byte, tasks) = self.shared_output_byte(application)?;
+        Some(Warning::SharedOutputByte { byte, tasks })
+    }
+
     /// The first byte of embedded outputs that two tasks write (controller:PRIO-05).
-    pub(super) fn shared_output_byte(&self, application: &dyn Application) -> Option<(u32, (usize, usize))> {
+    fn shared_output_byte(&self, application: &dyn Application) -> Option<(u32, (usize, usize))> {
         let bytes = self.config.reference.output_count().div_ceil(8) as u32;
         (0..bytes).find_map(|byte| {
             let mut writers =

@@ -96,10 +96,7 @@ impl Controller {
         now: Time,
         fx: &mut Effects,
     ) -> Check {
-        if let Some((byte, tasks)) = self.shared_output_byte(&*application) {
-            self.log_entry(now, LogEntry::SharedOutputByte { byte, tasks }, fx);
-        }
-        self.log_warnings(now, fx);
+        self.log_warnings(&*application, now, fx);
         application.reset(VariableReset::ALL);
         self.memory.clear();
         let saved = self.remanent.newest(self.files.store());

@@ -290,8 +290,9 @@ impl Controller {
     }
 
     /// Puts what is accepted with a warning into the log, as the application comes into memory.
-    pub(super) fn log_warnings(&mut self, now: Time, fx: &mut Effects) {
-        for warning in self.config.warnings() {
+    pub(super) fn log_warnings(&mut self, application: &dyn Application, now: Time, fx: &mut Effects) {
+        let of_application = self.warning_of(application);
+        for warning in of_application.into_iter().chain(self.config.warnings()) {
             self.log_entry(now, LogEntry::Warning(warning), fx);
         }
     }

@@ -295,15 +295,16 @@ fn find_trigger(program: Option<&Program>, trigger: &str) -> Result<String, Stri
     }
 }
 
-/// What the controller accepts of a configuration with a warning (controller:PRIO-02, controller:TASK-23).
-pub fn warnings(config: &Config, plan: &SourceFile) -> Vec<Diagnostic> {
+/// What the controller accepts with a warning (controller:PRIO-02, controller:TASK-23, io:EIO-17), of a configuration and
+/// of its application.
+pub fn warnings(config: &Config, application: Option<Warning>, plan: &SourceFile) -> Vec<Diagnostic> {
     let name = |place: usize| config.tasks.get(place).map_or("?", |task| task.name.as_str());
     let show = |warning: &Warning| {
         Diagnostic::warning(codes::CONFIGURATION_WARNING, warning.show(name))
             .at(&plan.name, 0..0, "")
             .help("it also stands in the log")
     };
-    config.warnings().iter().map(show).collect()
+    config.warnings().iter().chain(&application).map(show).collect()
 }
 
 /// A task of the sources that these controllers do not take.

@@ -90,8 +90,7 @@ pub(crate) fn set_up(
     let mut config = configuration(&case.settings, files)?;
     let tasks = Tasks::new(program.as_deref(), &case.settings, files.profile, &files.plan)?;
     tasks.configure(&mut config, &case.settings, program.as_deref(), &files.plan)?;
-    let mut warnings = crate::application::tasks::warnings(&config, &files.plan);
-    warnings.extend(functions::warnings(&config, &case.settings, &files.plan.name));
+    let mut warnings = functions::warnings(&config, &case.settings, &files.plan.name);
     let tasks = tasks.programs;
     if let Some(program) = &program {
         let Some(places) = assign(program, &tasks) else {
@@ -115,7 +114,7 @@ pub(crate) fn set_up(
     let refused = |error: &dyn std::fmt::Display| refused(files, error);
     let board = build(&files.board, files.seed).map_err(|error| refused(&error))?;
     let mut model =
-        ModelledController::new(config, program.clone(), Box::new(MemoryStore::default()), collector)
+        ModelledController::new(config.clone(), program.clone(), Box::new(MemoryStore::default()), collector)
             .map_err(|error| refused(&error))?;
     model.add_programs(known);
     if case.settings.firmware_invalid {
@@ -132,6 +131,8 @@ pub(crate) fn set_up(
             error => refused(&error),
         })?;
     }
+    let of_application = program.as_ref().and_then(|_| model.application_warning(&bundle));
+    warnings.extend(crate::application::tasks::warnings(&config, of_application, &files.plan));
     Ok(TestSetup { subject: Box::new(model), board, bundle, others, program, tasks, warnings })
 }
 

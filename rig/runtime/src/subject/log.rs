@@ -44,9 +44,6 @@ pub fn show(entry: &LogEntry, names: Option<&Catalogue>) -> String {
             format!("{class} {code:04X} hex in {} at {}:{}", task(place), file.unwrap_or("?"), fault.line)
         }
         LogEntry::Load(error) => format!("application refused: {error}"),
-        LogEntry::SharedOutputByte { byte, tasks } => {
-            format!("outputs of %QB{byte} are written by {} and by {}", task(tasks.0), task(tasks.1))
-        }
         LogEntry::OnlineChange { code_only: true } => String::from("online change of code alone"),
         LogEntry::OnlineChange { code_only: false } => String::from("online change of code and variables"),
         LogEntry::ContextInvalid => String::from("the saved context of the remanent variables is not valid"),

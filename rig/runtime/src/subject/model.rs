@@ -73,6 +73,11 @@ impl ModelledController {
         self.controller.commission(bundle, left)
     }
 
+    /// What the application of a bundle is taken with a warning for.
+    pub fn application_warning(&mut self, bundle: &[u8]) -> Option<controller::Warning> {
+        self.controller.application_warning(bundle)
+    }
+
     /// Puts the log entries among new effects into the controller's log, in words (controller:NV-09).
     fn log(&mut self, before: usize, effects: &mut Effects) {
         for place in before..effects.list.len() {

@@ -87,10 +87,7 @@ impl Controller {
         now: Time,
         fx: &mut Effects,
     ) {
-        if let Some((byte, tasks)) = self.shared_output_byte(&*new) {
-            self.log_entry(now, LogEntry::SharedOutputByte { byte, tasks }, fx);
-        }
-        self.log_warnings(now, fx);
+        self.log_warnings(&*new, now, fx);
         new.reset(VariableReset::ALL);
         if let Some(old) = old {
             let mut image = vec![0; old.retained_len()];
