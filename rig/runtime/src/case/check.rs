@@ -203,14 +203,18 @@ impl CaseOnBench<'_> {
         Some(Diagnostic::error(codes::CLAIM_WITHOUT_CHOICE, message).help("name two signals that can differ"))
     }
 
-    /// Whether two names stand for one thing: a line, a variable, a place of memory.
+    /// Whether two names stand for one thing, a line, a variable, a place of memory, of which the same is recorded.
     fn is_same(&self, one: &str, other: &str) -> bool {
+        let trace = &self.prepared.trace;
+        let policy = |name| trace.find(name).map(|signal| trace.signals()[signal.0 as usize].policy);
+        if policy(one) != policy(other) {
+            return false;
+        }
         let source = |name| self.binding(name).map(|binding| &binding.source);
         if source(one).is_some_and(|source_of_one| Some(source_of_one) == source(other)) {
             return true;
         }
-        let (Some(one), Some(other)) = (self.prepared.trace.find(one), self.prepared.trace.find(other))
-        else {
+        let (Some(one), Some(other)) = (trace.find(one), trace.find(other)) else {
             return false;
         };
         let wiring = &self.prepared.wiring;
