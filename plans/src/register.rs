@@ -27,7 +27,7 @@ impl RequirementClass {
 }
 
 /// What a requirement that no case proves can wait for: the part of the controller that it needs, or a plan.
-pub const OPEN: [&str; 21] = [
+pub const OPEN: [&str; 23] = [
     "CANopen",
     "EtherNet/IP",
     "Ethernet",
@@ -40,12 +40,14 @@ pub const OPEN: [&str; 21] = [
     "access rights",
     "clock",
     "configuration",
+    "firewall",
     "firmware",
     "libraries",
     "modules",
     "plan",
     "post configuration",
     "serial line",
+    "supply",
     "system functions",
     "system variables",
     "web server",
