@@ -1,5 +1,7 @@
 //! `rig requirements`.
 
+#[cfg(test)]
+mod shipped;
 mod status;
 
 use crate::exit::ExitStatus;
