@@ -217,9 +217,14 @@ def requirements(folder, record, browser):
     same("requirements: rows", set(rows), cited)
     asks = browser.run("return [...document.querySelectorAll('.matrix tr[data-id]:not(.clause)')].filter((row) => row.children[2].textContent).length")
     same("requirements: each says what it asks", asks, len(rows))
-    clauses = {f"{fact['id']}#{clause[0]}" for fact in record["requirements"] for clause in fact.get("clauses", [])}
+    clauses = {f"{fact['id']}#{clause['id']}" for fact in record["requirements"] for clause in fact.get("clauses", [])}
     shown = set(browser.run("return [...document.querySelectorAll('.matrix tr.clause')].map((row) => row.dataset.id)"))
     same("requirements: clauses", shown, clauses | {id for case in record["cases"] for id in case["proves"] if "#" in id})
+    said = browser.run("return [...document.querySelectorAll('.matrix tr[data-id]')].map((row) => [row.dataset.id, row.children[3].textContent])")
+    known = {fact["id"]: fact for fact in record["requirements"]}
+    known |= {f"{fact['id']}#{clause['id']}": clause for fact in record["requirements"] for clause in fact.get("clauses", [])}
+    wanted = {id: ": ".join(filter(None, [fact["status"], fact.get("note")])) for id, fact in known.items()}
+    same("requirements: how far they are proven", {id: text for id, text in said if text}, wanted)
     browser.one(".matrix .proofs a").click()
     browser.settle()
     check("requirements: a row leads to its cases", browser.run("return !document.getElementById('view-cases').hidden"))

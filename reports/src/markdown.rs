@@ -7,7 +7,7 @@ use crate::brief::{self, DecidingResult};
 use crate::matrix;
 use crate::show::{self, ShownOutcome, clean, sign};
 use record::{CaseRecord, Figure, RunRecord, Totals, Verdict};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 /// The longest summary in bytes: a comment on GitHub takes 65 536 characters.
@@ -230,8 +230,15 @@ fn requirements(page: &mut BoundedText, run: &RunRecord) {
     if rows.is_empty() {
         return;
     }
-    let proven = rows.iter().filter(|row| row.verdict == Verdict::Pass).count();
-    let mut out = format!("\n### Requirements\n\n**{proven}** of {} proven in this run.", rows.len());
+    let mut out = String::from("\n### Requirements\n\n");
+    let _ = match statuses(run).as_slice() {
+        // A record of a rig that did not say how far they are proven.
+        [] => {
+            let pass = rows.iter().filter(|row| row.verdict == Verdict::Pass).count();
+            write!(out, "Cases of **{pass}** of {} pass.", rows.len())
+        }
+        statuses => write!(out, "{} cited: {}.", run.requirements.len(), statuses.join(", ")),
+    };
     let others: Vec<String> = rows
         .iter()
         .filter(|row| row.verdict != Verdict::Pass)
@@ -247,6 +254,17 @@ fn requirements(page: &mut BoundedText, run: &RunRecord) {
     }
     out.push('\n');
     page.add(&out);
+}
+
+/// How many of the requirements that the cases cite came to what, the most frequent first: `**12** in part`.
+fn statuses(run: &RunRecord) -> Vec<String> {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for fact in run.requirements.iter().filter(|fact| !fact.status.is_empty()) {
+        *counts.entry(&fact.status).or_insert(0) += 1;
+    }
+    let mut counts: Vec<(&str, usize)> = counts.into_iter().collect();
+    counts.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+    counts.into_iter().map(|(status, count)| format!("**{count}** {status}")).collect()
 }
 
 fn environment(page: &mut BoundedText, run: &RunRecord) {

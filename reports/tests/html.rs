@@ -50,7 +50,8 @@ fn the_record_is_in_the_page() {
     let (text, _) = page(&run);
     let read = carried(&text);
     assert_eq!(read["cases"].as_array().unwrap().len(), run.cases.len());
-    assert_eq!(read["requirements"][0]["clauses"][1][1], "A power cut loses it");
+    assert_eq!(read["requirements"][0]["status"], "in part");
+    assert_eq!(read["requirements"][0]["clauses"][1]["asks"], "A power cut loses it");
     assert_eq!(read["provenance"]["environment"][0][1], "PREEMPT_RT");
     let case = &read["cases"][1];
     assert_eq!(case["name"], "watchdog/fallback[over]");

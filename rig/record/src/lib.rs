@@ -35,7 +35,7 @@ pub use figure::Figure;
 pub use json::{MAX_CASES, MAX_JSON_BYTES, RecordError};
 pub use lane::{Lane, LaneKind, LanePoint, LaneValue, MAX_LANE_POINTS};
 pub use machine::{Durations, MACHINE_FORMAT, MAX_MACHINE_BYTES, MachineRecord};
-pub use run::{FORMAT, OLDEST_FORMAT, Provenance, RequirementFact, RunClock, RunRecord, Totals};
+pub use run::{ClauseFact, FORMAT, OLDEST_FORMAT, Provenance, RequirementFact, RunClock, RunRecord, Totals};
 pub use statistics::{FigureOf, Repeated, RepeatedFigure, Statistics};
 pub use timing::{LateWake, MAX_LATE_WAKES, RigTiming, Wakes};
 pub use verdict::Verdict;

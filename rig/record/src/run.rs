@@ -139,16 +139,62 @@ pub struct RunRecord {
     pub requirements: Vec<RequirementFact>,
 }
 
-/// A requirement as the register has it.
+/// A requirement as the register has it, and how far the run proves it.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RequirementFact {
     /// Its ID: `controller:WD-04`.
     pub id: String,
     /// What it asks, one line.
     pub asks: String,
-    /// Its clauses: what stands after the `#`, and what each asks.
+    /// How far the run proves it, a word: `proven`, `in part`; empty in a record of a rig that did not say.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub status: String,
+    /// What it lacks, or why it is so: `lacks m251-2024`; empty for what is plainly proven.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub note: String,
+    /// Its clauses.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub clauses: Vec<(String, String)>,
+    pub clauses: Vec<ClauseFact>,
+}
+
+/// A clause of a requirement as the register has it, and how far the run proves it.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "ClauseForm")]
+pub struct ClauseFact {
+    /// What stands after the `#`.
+    pub id: String,
+    /// What it asks, one line.
+    pub asks: String,
+    /// As that of [`RequirementFact::status`].
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub status: String,
+    /// As that of [`RequirementFact::note`].
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub note: String,
+}
+
+/// How a clause is written: older records have two texts, its ID and what it asks.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum ClauseForm {
+    Pair(String, String),
+    Fact {
+        id: String,
+        asks: String,
+        #[serde(default)]
+        status: String,
+        #[serde(default)]
+        note: String,
+    },
+}
+
+impl From<ClauseForm> for ClauseFact {
+    fn from(form: ClauseForm) -> Self {
+        match form {
+            ClauseForm::Pair(id, asks) => ClauseFact { id, asks, ..ClauseFact::default() },
+            ClauseForm::Fact { id, asks, status, note } => ClauseFact { id, asks, status, note },
+        }
+    }
 }
 
 fn is_zero(n: &u64) -> bool {
@@ -190,5 +236,25 @@ impl RunRecord {
             case.host_ms = 0;
         }
         self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clauses_of_older_records_are_read() {
+        let text = r#"{ "id": "controller:RB-02", "asks": "a", "clauses": [["8", "b"], { "id": "9", "asks": "c", "status": "proven" }] }"#;
+        let read: RequirementFact = serde_json::from_str(text).unwrap();
+        let known = |id: &str, asks: &str, status: &str| ClauseFact {
+            id: id.into(),
+            asks: asks.into(),
+            status: status.into(),
+            ..ClauseFact::default()
+        };
+        assert_eq!(read.clauses, [known("8", "b", ""), known("9", "c", "proven")]);
+        let again: RequirementFact = serde_json::from_str(&serde_json::to_string(&read).unwrap()).unwrap();
+        assert_eq!(again, read);
     }
 }

@@ -3,18 +3,24 @@ const NAMED = 6; // cases that a row names; the others are counted
 
 const natural = (a, b) => a.localeCompare(b, "en", { numeric: true });
 
+// How far the run proves it, with what it lacks or why: as the record says, nothing where it does not.
+const proofOf = (fact) => [fact.status, fact.note].filter(Boolean).join(": ");
+
 // Every requirement that a case of the run names, and every clause of it that the register knows, with what the run
 // says of each: the greatest verdict of the judged cases.
 const matrix = (run) => {
   const rows = new Map();
   const entry = (id) => {
-    if (!rows.has(id)) rows.set(id, { id, asks: "", records: new Set(), clauses: new Map() });
+    if (!rows.has(id)) rows.set(id, { id, asks: "", proof: "", records: new Set(), clauses: new Map() });
     return rows.get(id);
   };
   for (const known of run.requirements ?? []) {
     const row = entry(known.id);
     row.asks = known.asks ?? "";
-    for (const [id, asks] of known.clauses ?? []) row.clauses.set(id, { id, asks, records: new Set() });
+    row.proof = proofOf(known);
+    for (const clause of known.clauses ?? []) {
+      row.clauses.set(clause.id, { id: clause.id, asks: clause.asks, proof: proofOf(clause), records: new Set() });
+    }
   }
   for (const record of run.cases) {
     for (const cited of record.proves) {
@@ -22,7 +28,7 @@ const matrix = (run) => {
       const row = entry(id);
       row.records.add(record);
       if (clause === undefined) continue;
-      if (!row.clauses.has(clause)) row.clauses.set(clause, { id: clause, asks: "", records: new Set() });
+      if (!row.clauses.has(clause)) row.clauses.set(clause, { id: clause, asks: "", proof: "", records: new Set() });
       row.clauses.get(clause).records.add(record);
     }
   }
@@ -49,6 +55,7 @@ const clauseRow = (row, clause) =>
     h("th", { scope: "row", class: "code" }, `#${clause.id}`),
     h("td", {}, badge(clause.word, clause.records.size ? (clause.word === "none" ? "not judged" : null) : "not proved here")),
     h("td", {}, clause.asks),
+    h("td", {}, clause.proof),
     h("td", { class: "proofs" }, clause.records.size > 0 && casesOf(clause.records, `${row.id}#${clause.id}`)),
   );
 
@@ -65,7 +72,7 @@ class Requirements {
       changed({ requirement: this.text.value.trim() });
     });
     form.addEventListener("submit", (event) => event.preventDefault());
-    this.element = h("section", {}, heading("h2", "Requirements"), form, h("div", { class: "scroll" }, h("table", { class: "matrix" }, h("thead", {}, h("tr", {}, ["Requirement", "Verdict", "What it asks", "Cases"].map((text) => h("th", { scope: "col" }, text)))), this.body)));
+    this.element = h("section", {}, heading("h2", "Requirements"), form, h("div", { class: "scroll" }, h("table", { class: "matrix" }, h("thead", {}, h("tr", {}, ["Requirement", "Verdict", "What it asks", "How far it is proven", "Cases"].map((text) => h("th", { scope: "col" }, text)))), this.body)));
   }
 
   set(state) {
@@ -75,9 +82,9 @@ class Requirements {
 
   apply() {
     const text = this.text.value.trim().toLowerCase();
-    const wanted = this.list.filter((row) => [row.id, row.asks, ...[...row.clauses.values()].flatMap((clause) => [`${row.id}#${clause.id}`, clause.asks])].join("\n").toLowerCase().includes(text));
+    const wanted = this.list.filter((row) => [row.id, row.asks, row.proof, ...[...row.clauses.values()].flatMap((clause) => [`${row.id}#${clause.id}`, clause.asks, clause.proof])].join("\n").toLowerCase().includes(text));
     const rows = wanted.flatMap((row) => [
-      h("tr", { "data-verdict": row.word, "data-id": row.id }, h("th", { scope: "row", class: "code" }, row.id), h("td", {}, badge(row.word, row.word === "none" ? "not judged" : null)), h("td", {}, row.asks), h("td", { class: "proofs" }, casesOf(row.records, row.id))),
+      h("tr", { "data-verdict": row.word, "data-id": row.id }, h("th", { scope: "row", class: "code" }, row.id), h("td", {}, badge(row.word, row.word === "none" ? "not judged" : null)), h("td", {}, row.asks), h("td", {}, row.proof), h("td", { class: "proofs" }, casesOf(row.records, row.id))),
       ...[...row.clauses.values()].map((clause) => clauseRow(row, clause)),
     ]);
     this.body.replaceChildren(...rows);

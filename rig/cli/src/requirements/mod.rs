@@ -10,9 +10,9 @@ use crate::plan_files::library::{self, REGISTER, ShippedFiles};
 use crate::{output, saved_runs};
 use clap::Args;
 use document::Diagnostic;
-use plans::register::{Requirement, RequirementRegister};
+use plans::register::RequirementRegister;
 use profile::Profile;
-use record::{RequirementFact, RunRecord};
+use record::{ClauseFact, RequirementFact, RunRecord};
 use runtime::case::jobs::{self, JobResult};
 use runtime::suite;
 use runtime::{ClockKind, RunOptions};
@@ -171,20 +171,27 @@ fn totals(rows: &[RegisterRow<'_>]) -> String {
     text
 }
 
-/// What the register says of the requirements that the cases of a run prove, in its order; for reports, which read
-/// nothing but the record.
+/// What the register says of the requirements that the cases of a run cite, in its order, and how far the run proves
+/// them; for reports, which read nothing but the record.
 pub fn facts(run: &RunRecord) -> Vec<RequirementFact> {
     let requirement = |cited: &str| cited.split('#').next().unwrap_or_default().to_owned();
     let cited: BTreeSet<String> =
         run.cases.iter().flat_map(|case| case.proves.iter().map(|id| requirement(id))).collect();
     // A register that cannot be read is no trouble of the run: the command that prints it says so.
     let register = RequirementRegister::read(REGISTER).unwrap_or_default();
-    let fact = |entry: Requirement| RequirementFact {
-        id: entry.id,
-        asks: entry.asks,
-        clauses: entry.clauses.into_iter().map(|clause| (clause.id, clause.asks)).collect(),
-    };
-    register.entries.into_iter().filter(|entry| cited.contains(&entry.id)).map(fact).collect()
+    let proofs = status::proofs(run);
+    let mut facts: Vec<RequirementFact> = Vec::with_capacity(cited.len());
+    for row in status::rows(&register, &proofs).iter().filter(|row| cited.contains(&row.entry.id)) {
+        let (asks, status, note) = (row.asks.to_owned(), row.status.word().to_owned(), row.note());
+        match (row.id.split_once('#'), facts.last_mut()) {
+            // The rows of clauses come after that of their requirement.
+            (Some((_, id)), Some(of)) => {
+                of.clauses.push(ClauseFact { id: id.to_owned(), asks, status, note })
+            }
+            _ => facts.push(RequirementFact { id: row.id.clone(), asks, status, note, clauses: Vec::new() }),
+        }
+    }
+    facts
 }
 
 /// Runs the shipped library for its verdicts.
