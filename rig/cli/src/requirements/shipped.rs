@@ -222,7 +222,7 @@ fn what_the_register_names_is_there() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/decisions");
     let names = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name());
     let numbers: BTreeSet<u16> =
-        names.filter_map(|name| name.to_str().and_then(|name| name[..4].parse().ok())).collect();
+        names.filter_map(|name| name.to_str().and_then(|name| name.get(..4)?.parse().ok())).collect();
     let facts = |entry: &plans::register::Requirement| {
         let clauses = entry.clauses.iter().map(|clause| clause.proof.clone());
         std::iter::once(entry.proof.clone()).chain(clauses).collect::<Vec<_>>()
