@@ -54,10 +54,6 @@ impl Rig for Willing {
         None
     }
 
-    fn plans(&self, _: Option<&str>) -> Result<Vec<String>, RequestFault> {
-        Ok(Vec::new())
-    }
-
     fn order(&mut self, ticket: Ticket, order: RigOrder) -> Result<(), RequestFault> {
         let answer = match order {
             RigOrder::Read(signal) => Answer::Value(Value::Int(signal.into())),

@@ -157,6 +157,8 @@ pub const PLAN_NOT_RUN: &str = "R0610";
 pub const PLAN_HAS_BOARD: &str = "R0611";
 /// No plan that runs.
 pub const NO_PLAN_RUNS: &str = "R0612";
+/// Plans whose files are not read in time.
+pub const PLANS_NOT_READ: &str = "R0613";
 
 /// Every code with its title, in order.
 pub const CODES: &[(&str, &str)] = &[
@@ -289,6 +291,7 @@ pub const CODES: &[(&str, &str)] = &[
     (PLAN_NOT_RUN, "A plan that a running rig cannot run"),
     (PLAN_HAS_BOARD, "A board that a plan has for itself"),
     (NO_PLAN_RUNS, "No plan that runs"),
+    (PLANS_NOT_READ, "Plans that are not read in time"),
     ("R0680", "A recording in a format that is not written"),
     ("R0681", "A recording that cannot be written"),
     ("R0682", "A recording that cannot be read"),

@@ -10,27 +10,34 @@ use std::path::{Component, Path, PathBuf};
 pub fn find(paths: &[PathBuf]) -> Result<Vec<String>, ExitStatus> {
     let mut found = Vec::new();
     for path in paths {
-        if path.is_dir() {
-            let before = found.len();
-            search(path, 0, &mut found);
-            if found.len() == before {
-                let message = format!("{} holds no plan", path.display());
-                return Err(output::refuse(
-                    "R0230",
-                    message,
-                    "a plan is a file NAME.toml that begins with `format = 1`",
-                ));
-            }
-        } else {
-            found.push(tidy(path));
+        let here = at(path, &|| true);
+        if here.is_empty() {
+            let message = format!("{} holds no plan", path.display());
+            return Err(output::refuse(
+                "R0230",
+                message,
+                "a plan is a file NAME.toml that begins with `format = 1`",
+            ));
         }
+        found.extend(here);
     }
     Ok(found)
 }
 
-fn search(folder: &Path, depth: usize, found: &mut Vec<String>) {
+/// The file of a path, or the plans of a folder in the order of names. The search ends early where `is_wanted` says that
+/// nobody waits for it.
+pub fn at(path: &Path, is_wanted: &dyn Fn() -> bool) -> Vec<String> {
+    if !path.is_dir() {
+        return vec![tidy(path)];
+    }
+    let mut found = Vec::new();
+    search(path, 0, is_wanted, &mut found);
+    found
+}
+
+fn search(folder: &Path, depth: usize, is_wanted: &dyn Fn() -> bool, found: &mut Vec<String>) {
     // Deeper than any project; ends circles of links.
-    if depth > 32 {
+    if depth > 32 || !is_wanted() {
         return;
     }
     let Ok(entries) = std::fs::read_dir(folder) else { return };
@@ -38,7 +45,7 @@ fn search(folder: &Path, depth: usize, found: &mut Vec<String>) {
     paths.sort();
     for path in paths {
         if path.is_dir() {
-            search(&path, depth + 1, found);
+            search(&path, depth + 1, is_wanted, found);
         } else if !is_suite(&path.to_string_lossy()) && is_plan(&path) {
             found.push(tidy(&path));
         }

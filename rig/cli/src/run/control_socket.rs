@@ -103,7 +103,7 @@ fn known(code: &str) -> &'static str {
 pub struct HostPlans;
 
 impl PlanSource for HostPlans {
-    fn plans(&self, path: Option<&str>) -> Result<Vec<String>, String> {
+    fn plans(&self, path: Option<&str>, is_wanted: &dyn Fn() -> bool) -> Result<Vec<String>, String> {
         let Some(path) = path else { return Ok(library::plans()) };
         let found = std::fs::metadata(path);
         // A pipe would keep every client waiting.
@@ -117,7 +117,8 @@ impl PlanSource for HostPlans {
             let none = || format!("`{path}` is not there");
             return if shipped.is_empty() { Err(none()) } else { Ok(shipped) };
         }
-        find::find(&[PathBuf::from(path)]).map_err(|_| format!("`{path}` holds no plan"))
+        let found = find::at(Path::new(path), is_wanted);
+        if found.is_empty() { Err(format!("`{path}` holds no plan")) } else { Ok(found) }
     }
 
     fn files(&self, plan: &str) -> &'static dyn FileSource {

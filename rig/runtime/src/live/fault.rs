@@ -113,6 +113,24 @@ pub fn plan(why: &str) -> RequestFault {
     )
 }
 
+/// Files of plans that do not come from their disk.
+pub fn not_read(what: &str, seconds: u64) -> RequestFault {
+    fault(
+        codes::PLANS_NOT_READ,
+        format!("what is at `{what}` was not read within {seconds} s"),
+        "name a single plan or a smaller folder, on a disk that answers",
+    )
+}
+
+/// More files of plans at once than are read.
+pub fn plans_are_read(most: usize) -> RequestFault {
+    fault(
+        codes::PLANS_NOT_READ,
+        format!("plans are being read for {most} requests, and none of them has ended"),
+        "ask again later; if it lasts, a disk or network folder with plans does not answer",
+    )
+}
+
 /// A case that a plan does not have.
 pub fn no_case(name: &str, meant: Option<&str>) -> RequestFault {
     let help = meant.map_or_else(

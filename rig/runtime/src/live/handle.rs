@@ -3,7 +3,8 @@
 use super::describe;
 use super::directory::Directory;
 use super::fault;
-use super::plans::{ChosenCases, PlanBench, PlanSlot};
+use super::plan_reading::{PlanReadings, PlanRequest, PlansRead};
+use super::plans::{PlanBench, PlanSlot};
 use super::status::StatusSource;
 use crate::scan_port::{HandleEnd, OrderOutcome, ScanCommand, ScanEvent, ScanRequest};
 use control::{
@@ -14,7 +15,6 @@ use services::control::{Answer, MOST_ORDERS, Rig, RigEvent, RigOrder, Ticket};
 use signal::{Value, When};
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
-use std::sync::mpsc::{self, Receiver, TryRecvError};
 
 /// Sources that can be watched at once.
 pub(super) const MOST_WATCHED: usize = 1_024;
@@ -58,8 +58,7 @@ pub struct LiveRig {
     own: Vec<RigEvent>,
     outcomes: Vec<(u64, OrderOutcome)>,
     orders: PlanOrders,
-    /// A plan that is being read, and for which order.
-    reading: Option<(u64, Receiver<Result<ChosenCases, RequestFault>>)>,
+    readings: PlanReadings,
     plan: Option<PlanStatus>,
     ended: bool,
 }
@@ -95,7 +94,7 @@ impl LiveRig {
             own: Vec::new(),
             outcomes: Vec::new(),
             orders,
-            reading: None,
+            readings: PlanReadings::default(),
             plan: None,
             ended: false,
         }
@@ -169,45 +168,34 @@ impl LiveRig {
             RigOrder::Command(action) => ScanCommand::Command(action),
             RigOrder::Advance(by) => ScanCommand::Advance(by),
             // Its words do not go into the scan: the plan waits in its slot.
-            RigOrder::Plan(_) => ScanCommand::Plan,
+            RigOrder::Plan(_) | RigOrder::Plans(_) => return Err(fault::no_plans()),
             RigOrder::Abort => ScanCommand::Abort,
         })
     }
 
-    /// Has a plan read by a thread of its own, which may take its time.
-    fn read_plan(&mut self, ticket: Ticket, name: &str) -> Result<(), RequestFault> {
-        let bench = self.orders.bench.clone().ok_or_else(fault::no_plans)?;
-        if self.reading.is_some() || self.plan.is_some() {
+    /// Has plans read for an order, which may take its time.
+    fn read_plans(&mut self, ticket: Ticket, request: PlanRequest) -> Result<(), RequestFault> {
+        let bench = self.orders.bench.as_ref().ok_or_else(fault::no_plans)?;
+        let chooses = matches!(request, PlanRequest::Choose(_));
+        if chooses && (self.readings.is_choosing() || self.plan.is_some()) {
             return Err(fault::plan_runs());
         }
-        let (send, chosen) = mpsc::sync_channel(1);
-        let name = name.to_owned();
-        let read = move || {
-            // Whoever asked may be gone with the rig.
-            let _ = send.send(bench.choose(&name));
-        };
-        let thread = std::thread::Builder::new().name("plan".into()).spawn(read);
-        thread.map_err(|error| fault::plan(&error.to_string()))?;
-        self.reading = Some((ticket.0, chosen));
-        Ok(())
+        self.readings.begin(ticket.0, bench, request)
     }
 
-    /// The plan that was read, if one is.
-    fn take_plan(&mut self, report: &mut dyn FnMut(RigEvent)) {
-        let Some((ticket, chosen)) = &self.reading else { return };
-        let ticket = *ticket;
-        let chosen = match chosen.try_recv() {
-            Ok(chosen) => chosen,
-            Err(TryRecvError::Empty) => return,
-            Err(TryRecvError::Disconnected) => Err(fault::plan("it cannot be read")),
-        };
-        self.reading = None;
-        match chosen {
-            Ok(chosen) => {
-                self.orders.slot.put(chosen);
-                self.waiting.push_back(ScanRequest::Command(ticket, ScanCommand::Plan));
-            }
-            Err(fault) => report(RigEvent::Answer(Ticket(ticket), Err(fault))),
+    /// Takes what was read.
+    fn take_plans(&mut self, report: &mut dyn FnMut(RigEvent)) {
+        for (ticket, answer) in self.readings.ended() {
+            let answer = match answer {
+                Ok(PlansRead::Chosen(chosen)) => {
+                    self.orders.slot.put(chosen);
+                    self.waiting.push_back(ScanRequest::Command(ticket, ScanCommand::Plan));
+                    continue;
+                }
+                Ok(PlansRead::Listed(names)) => Ok(Answer::Plans(names)),
+                Err(fault) => Err(fault),
+            };
+            report(RigEvent::Answer(Ticket(ticket), answer));
         }
     }
 
@@ -307,15 +295,12 @@ impl Rig for LiveRig {
         self.watched.get(source as usize)?.last
     }
 
-    fn plans(&self, path: Option<&str>) -> Result<Vec<String>, RequestFault> {
-        let bench = self.orders.bench.as_ref().ok_or_else(fault::no_plans)?;
-        bench.list(path)
-    }
-
     fn order(&mut self, ticket: Ticket, order: RigOrder) -> Result<(), RequestFault> {
-        if let RigOrder::Plan(name) = &order {
-            return self.read_plan(ticket, name);
-        }
+        let order = match order {
+            RigOrder::Plan(name) => return self.read_plans(ticket, PlanRequest::Choose(name)),
+            RigOrder::Plans(path) => return self.read_plans(ticket, PlanRequest::List(path)),
+            order => order,
+        };
         let command = self.command(&order)?;
         if self.waiting.len() >= MOST_ORDERS {
             return Err(fault::too_many("orders wait"));
@@ -326,7 +311,7 @@ impl Rig for LiveRig {
     }
 
     fn poll(&mut self, report: &mut dyn FnMut(RigEvent)) {
-        self.take_plan(report);
+        self.take_plans(report);
         self.flush();
         for own in self.own.drain(..) {
             report(own);

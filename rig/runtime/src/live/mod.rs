@@ -10,6 +10,7 @@ mod describe;
 mod directory;
 mod fault;
 mod handle;
+mod plan_reading;
 mod plans;
 mod status;
 

@@ -19,11 +19,11 @@ use std::time::Instant;
 
 /// Where the plans are that a rig can run.
 pub trait PlanSource: Send + Sync + std::fmt::Debug {
-    /// The plans of a file or folder, or those that ship.
+    /// The plans of a file or folder, or those that ship. A search ends early where `is_wanted` says that nobody waits for it.
     ///
     /// # Errors
     /// Why there are none.
-    fn plans(&self, path: Option<&str>) -> Result<Vec<String>, String>;
+    fn plans(&self, path: Option<&str>, is_wanted: &dyn Fn() -> bool) -> Result<Vec<String>, String>;
 
     /// Where the files of a plan are.
     fn files(&self, plan: &str) -> &'static dyn FileSource;
@@ -64,17 +64,22 @@ impl PlanSlot {
 
 impl PlanBench {
     /// The cases of the plans of a file or folder; without one the plans that ship, which are too many to be read for it.
+    /// Ends early where `is_wanted` says that nobody waits for them.
     ///
     /// # Errors
     /// There are none.
-    pub fn list(&self, path: Option<&str>) -> Result<Vec<String>, RequestFault> {
-        let plans = self.source.plans(path).map_err(|why| fault::plan(&why))?;
+    pub fn list(
+        &self,
+        path: Option<&str>,
+        is_wanted: &dyn Fn() -> bool,
+    ) -> Result<Vec<String>, RequestFault> {
+        let plans = self.source.plans(path, is_wanted).map_err(|why| fault::plan(&why))?;
         if path.is_none() {
             let named = |plan: String| plan.strip_suffix(".toml").map(str::to_owned).unwrap_or(plan);
             return Ok(plans.into_iter().map(named).collect());
         }
         let mut names = Vec::new();
-        for plan in plans {
+        for plan in plans.into_iter().take_while(|_| is_wanted()) {
             // One that cannot be read does not keep the others from being listed.
             let Ok(loaded) = self.load(&plan) else { continue };
             names.extend(loaded.jobs(0, self.seed, 1).into_iter().map(|job| job.name));

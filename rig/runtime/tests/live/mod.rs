@@ -91,7 +91,11 @@ expect = [{ state = { stays = \"RUNNING\" } }]
 struct Library;
 
 impl PlanSource for Library {
-    fn plans(&self, _path: Option<&str>) -> Result<Vec<String>, String> {
+    fn plans(&self, path: Option<&str>, is_wanted: &dyn Fn() -> bool) -> Result<Vec<String>, String> {
+        // A disk that does not answer.
+        while path == Some("hangs") && is_wanted() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
         Ok(vec!["press.toml".into(), "long.toml".into(), "none.toml".into()])
     }
 

@@ -1,9 +1,10 @@
 //! Plans in the place of the controller that is kept running.
 
-use super::{Bench, with_rig};
+use super::{Bench, PATIENCE, with_rig};
 use control::PlanEvent;
-use services::control::{Answer, Rig, RigEvent, RigOrder};
+use services::control::{Answer, Rig, RigEvent, RigOrder, Ticket};
 use signal::{Span, Value};
+use std::time::Instant;
 
 fn over(bench: &mut Bench<'_>) -> String {
     bench.until("the end of the plan", |reported| match reported {
@@ -18,9 +19,10 @@ fn a_plan_is_reported_as_it_goes_and_the_controller_begins_anew() {
         bench.advance(Span::from_secs(1));
         let (count, signal) = (bench.watch("MAIN.count"), bench.watch("signal"));
         bench.force("Q1", true).unwrap();
-        assert_eq!(bench.rig.plans(None).unwrap(), ["press", "long", "none"]);
+        let listed = |names: &[&str]| Ok(Answer::Plans(names.iter().map(|name| (*name).into()).collect()));
+        assert_eq!(bench.order(RigOrder::Plans(None)), listed(&["press", "long", "none"]));
         // One that cannot be read hides no other.
-        assert_eq!(bench.rig.plans(Some(".")).unwrap(), ["press", "long"]);
+        assert_eq!(bench.order(RigOrder::Plans(Some(".".into()))), listed(&["press", "long"]));
         assert_eq!(bench.order(RigOrder::Plan("press".into())), Ok(Answer::Done));
         assert_eq!(over(bench), "pass");
         let reported: Vec<PlanEvent> = bench
@@ -85,5 +87,32 @@ fn what_is_no_plan_is_refused_and_the_controller_goes_on() {
         let fault = bench.order(RigOrder::Plan("press[fast]".into())).unwrap_err();
         assert_eq!((fault.code.as_str(), fault.help.as_str()), ("R0610", "`rig ctl plans` lists the cases"));
         assert_eq!(bench.read("MAIN.count"), Value::Int(50));
+    });
+}
+
+#[test]
+fn a_disk_that_does_not_answer_delays_those_who_ask_for_it_and_nobody_else() {
+    with_rig(true, |bench| {
+        bench.advance(Span::from_secs(1));
+        let hangs = || RigOrder::Plans(Some("hangs".into()));
+        for ticket in 1_000..1_004 {
+            assert_eq!(bench.rig.order(Ticket(ticket), hangs()), Ok(()));
+        }
+        assert_eq!(bench.rig.order(Ticket(1_004), hangs()).unwrap_err().code, "R0613");
+        assert_eq!(bench.read("MAIN.count"), Value::Int(50));
+        let mut given_up = |ticket| {
+            bench.until("the end of the wait", |reported| match reported {
+                RigEvent::Answer(Ticket(of), Err(fault)) if *of == ticket => Some(fault.code.clone()),
+                _ => None,
+            })
+        };
+        for ticket in 1_000..1_004 {
+            assert_eq!(given_up(ticket), "R0613");
+        }
+        // The readers learned that nobody waits, and ended.
+        let began = Instant::now();
+        while bench.order(RigOrder::Plans(None)).is_err() {
+            assert!(began.elapsed() < PATIENCE, "the readers do not end");
+        }
     });
 }

@@ -117,8 +117,17 @@ pub(super) struct Work {
     pub(super) open: usize,
     /// What was read, in the order in which it was asked.
     pub(super) values: Vec<Value>,
+    /// What can be run.
+    pub(super) plans: Vec<String>,
     /// What went wrong first.
     pub(super) fault: Option<RequestFault>,
+}
+
+impl Work {
+    /// A request of this number of which nothing is done yet.
+    pub(super) fn new(id: u64, then: Then, orders: VecDeque<RigOrder>) -> Work {
+        Work { id, then, orders, open: 0, values: Vec::new(), plans: Vec::new(), fault: None }
+    }
 }
 
 /// What becomes of a request when its orders are carried out.
@@ -128,6 +137,8 @@ pub(super) enum Then {
     Done,
     /// Values are reported.
     Values,
+    /// What can be run is reported.
+    Plans,
     /// The instant is reported.
     Advanced,
     /// The subscription begins. Signals without a value so far were read.

@@ -161,6 +161,7 @@ impl Hub {
         work.open = work.open.saturating_sub(1);
         match answer {
             Ok(Answer::Value(value)) => work.values.push(value),
+            Ok(Answer::Plans(plans)) => work.plans = plans,
             Ok(Answer::Done) => {}
             Err(fault) => {
                 // What follows would be done in vain: the request has failed.

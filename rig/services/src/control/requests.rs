@@ -45,8 +45,7 @@ impl Hub {
             Ok(Outcome::Orders(orders, then)) => {
                 let Some(client) = self.clients.get_mut(&id) else { return };
                 let none = orders.is_empty();
-                client.work =
-                    Some(Work { id: number, then, orders, open: 0, values: Vec::new(), fault: None });
+                client.work = Some(Work::new(number, then, orders));
                 if none {
                     self.complete(id, now);
                 } else {
@@ -125,8 +124,7 @@ impl Hub {
                 return Ok(Outcome::Done);
             }
             RequestOperation::Plans { path } => {
-                let plans = self.rig.plans(path.as_deref())?;
-                self.answer(id, number, Ok(&Plans { plans }), now);
+                return Ok(Outcome::Orders([RigOrder::Plans(path)].into(), Then::Plans));
             }
             RequestOperation::Plan { name } => {
                 self.say_of(id, &format!("runs the plan {}", short(&name)), now);
@@ -239,7 +237,7 @@ impl Hub {
     /// All orders of a request are carried out, or one was refused.
     pub(super) fn complete(&mut self, id: ClientId, now: Time) {
         let Some(client) = self.clients.get_mut(&id) else { return };
-        let Some(Work { id: number, then, values, fault, .. }) = client.work.take() else { return };
+        let Some(Work { id: number, then, values, plans, fault, .. }) = client.work.take() else { return };
         self.status_cache.fresh = false;
         if self.is_stepped() {
             // Whatever comes of the request is reported before its answer: so a client that leads time knows it all.
@@ -257,6 +255,7 @@ impl Hub {
                 let values = values.into_iter().map(WireValue).collect();
                 self.answer(id, number, Ok(&SignalValues { values }), now);
             }
+            Then::Plans => self.answer(id, number, Ok(&Plans { plans }), now),
             Then::Advanced => {
                 let at = self.current_status().status.at;
                 self.answer(id, number, Ok(&Advanced { at }), now);

@@ -27,6 +27,9 @@ pub enum RigOrder {
     Command(ControllerAction),
     /// Let time pass, where clients step it.
     Advance(Span),
+    /// List what it can run: the cases of the plans of a file or folder, or the names of the plans that ship. Not an order to
+    /// the scan: files are read for it, which may take its time.
+    Plans(Option<String>),
     /// Run a plan.
     Plan(String),
     /// End the plan that runs.
@@ -40,6 +43,8 @@ pub enum Answer {
     Done,
     /// What was read.
     Value(Value),
+    /// What can be run.
+    Plans(Vec<String>),
 }
 
 /// What the rig reports.
@@ -66,7 +71,8 @@ pub enum RigEvent {
     Ended(String),
 }
 
-/// The handle of a rig that runs. Its calls never wait for the scan; what they set off is reported by [`Rig::poll`].
+/// The handle of a rig that runs. Its calls never wait for the scan, nor for a disk; what they set off is reported by
+/// [`Rig::poll`].
 pub trait Rig: Send {
     /// The greeting, without the client's number.
     fn greeting(&self) -> Greeting;
@@ -96,12 +102,6 @@ pub trait Rig: Send {
 
     /// What a watched signal was by now, if anything was reported of it.
     fn last(&self, signal: u32) -> Option<(When, Value)>;
-
-    /// What it can run: the cases of plans, or the names of those that ship.
-    ///
-    /// # Errors
-    /// Plans that cannot be read.
-    fn plans(&self, path: Option<&str>) -> Result<Vec<String>, RequestFault>;
 
     /// Gives an order; its answer comes with [`RigEvent::Answer`].
     ///

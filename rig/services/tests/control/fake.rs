@@ -95,6 +95,9 @@ impl State {
                 }
             }
             RigOrder::Command(action) => self.state = action.name().into(),
+            RigOrder::Plans(ref path) => {
+                return Ok(Answer::Plans(vec![path.clone().unwrap_or_else(|| "shipped".into())]));
+            }
             RigOrder::Plan(_) | RigOrder::Abort => {}
         }
         Ok(Answer::Done)
@@ -181,10 +184,6 @@ impl Rig for Fake {
 
     fn last(&self, _: u32) -> Option<(When, Value)> {
         None
-    }
-
-    fn plans(&self, path: Option<&str>) -> Result<Vec<String>, RequestFault> {
-        Ok(vec![path.unwrap_or("shipped").into()])
     }
 
     fn order(&mut self, ticket: Ticket, order: RigOrder) -> Result<(), RequestFault> {
