@@ -15,6 +15,7 @@ use super::decode::{decode, fault};
 use super::forces::ForcedBy;
 use super::lines::ClientLine;
 use super::lock::Lock;
+use super::log_limit::{LogLimit, LogTopic};
 use super::orders::Orders;
 use super::rig::{Rig, RigEvent};
 use super::settings::SocketSettings;
@@ -43,6 +44,7 @@ pub struct Hub {
     pub(super) status_cache: StatusCache,
     pub(super) log: VecDeque<RigLogLine>,
     write: Box<dyn FnMut(&str)>,
+    log_limit: LogLimit,
     /// What the case that runs has reported.
     pub(super) plan: Vec<PlanEvent>,
     events: Vec<RigEvent>,
@@ -82,6 +84,7 @@ impl Hub {
             status_cache: StatusCache::default(),
             log: VecDeque::new(),
             write,
+            log_limit: LogLimit::default(),
             plan: Vec::new(),
             events: Vec::new(),
             touched: BTreeSet::new(),
@@ -101,7 +104,8 @@ impl Hub {
             let help = "end one of them, or raise `clients` under `[control]` of the board file";
             let refusal =
                 Reply { id: None, ok: None, error: Some(fault(codes::CLIENTS, message.clone(), help)) };
-            self.say(&format!("a client of user {} is refused: {message}", peer.user), now);
+            let text = format!("a client of user {} is refused: {message}", peer.user);
+            self.say(LogTopic::Connections, &text, now);
             let mut line = serde_json::to_vec(&refusal).unwrap_or_default();
             line.push(b'\n');
             return Err(line);
@@ -113,7 +117,7 @@ impl Hub {
         self.clients.insert(id, client);
         self.status_cache.fresh = false;
         self.touch(id);
-        self.say_of(id, "connects", now);
+        self.say_of_connection(id, "connects", now);
         Ok(id)
     }
 
@@ -122,7 +126,7 @@ impl Hub {
         if !self.clients.contains_key(&id) {
             return;
         }
-        self.say_of(id, "is gone", now);
+        self.say_of_connection(id, "is gone", now);
         self.settle_forces(id, now);
         let Some(client) = self.clients.remove(&id) else { return };
         for (number, subscription) in &client.subscriptions {
@@ -211,6 +215,7 @@ impl Hub {
             self.receive_event(one, now);
         }
         self.events = events;
+        self.say_left_out(now);
         self.give(now);
         self.flush(now);
         let patience =
@@ -288,18 +293,42 @@ impl Hub {
         self.description.clock == TimeSource::Stepped
     }
 
-    /// Writes a line into the log.
-    pub(super) fn say(&mut self, text: &str, now: Time) {
+    /// Writes a line into the log, unless there were too many of its topic within a second.
+    pub(super) fn say(&mut self, topic: LogTopic, text: &str, now: Time) {
+        if self.log_limit.admits(topic, now) {
+            self.say_in_any_case(text, now);
+        }
+    }
+
+    fn say_in_any_case(&mut self, text: &str, now: Time) {
         (self.write)(text);
         let at = self.current_status().status.at;
         self.log(at, text, now);
     }
 
+    /// Says how many lines were left out.
+    fn say_left_out(&mut self, now: Time) {
+        for topic in LogTopic::ALL {
+            if let Some(lines) = self.log_limit.take_left_out(topic, now) {
+                self.say_in_any_case(&topic.left_out(lines), now);
+            }
+        }
+    }
+
     /// Writes into the log what a client does.
     pub(super) fn say_of(&mut self, id: ClientId, does: &str, now: Time) {
+        self.say_of_client(LogTopic::Actions, id, does, now);
+    }
+
+    /// Writes into the log that a client comes or goes.
+    pub(super) fn say_of_connection(&mut self, id: ClientId, does: &str, now: Time) {
+        self.say_of_client(LogTopic::Connections, id, does, now);
+    }
+
+    fn say_of_client(&mut self, topic: LogTopic, id: ClientId, does: &str, now: Time) {
         if let Some(client) = self.clients.get(&id) {
             let text = format!("{} {does}", LoggedClient(id, client));
-            self.say(&text, now);
+            self.say(topic, &text, now);
         }
     }
 

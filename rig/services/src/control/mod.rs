@@ -14,6 +14,7 @@ mod forces;
 mod hub;
 mod lines;
 mod lock;
+mod log_limit;
 mod orders;
 mod outbox;
 mod publish;

@@ -8,6 +8,7 @@ use signal::Time;
 use super::client::ClientId;
 use super::forces::ForcedBy;
 use super::hub::Hub;
+use super::log_limit::LogTopic;
 use super::rig::{Answer, MOST_ORDERS, RigOrder, Ticket};
 
 /// Orders that are under way.
@@ -153,7 +154,8 @@ impl Hub {
     fn carried_out(&mut self, by: Option<ClientId>, answer: Result<Answer, RequestFault>, now: Time) {
         let Some(id) = by else {
             if let Err(fault) = answer {
-                self.say(&format!("for a client that is gone: {} ({})", fault.message, fault.code), now);
+                let text = format!("for a client that is gone: {} ({})", fault.message, fault.code);
+                self.say(LogTopic::Actions, &text, now);
             }
             return;
         };

@@ -184,7 +184,7 @@ impl Hub {
             client.name = (!name.trim().is_empty()).then(|| short(name.trim()));
         }
         self.status_cache.fresh = false;
-        self.say_of(id, "says hello", now);
+        self.say_of_connection(id, "says hello", now);
         let greeting = Greeting { client: id, ..self.rig.greeting() };
         self.answer(id, number, Ok(&greeting), now);
         Ok(Outcome::Answered)
