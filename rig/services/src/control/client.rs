@@ -135,6 +135,8 @@ impl Work {
 pub(super) enum Then {
     /// It is done.
     Done,
+    /// The lock is kept or gone, which is said of the client in these words.
+    Locked(String),
     /// Values are reported.
     Values,
     /// What can be run is reported.

@@ -215,6 +215,7 @@ impl Hub {
             self.receive_event(one, now);
         }
         self.events = events;
+        self.settle_lock(now);
         self.say_left_out(now);
         self.give(now);
         self.flush(now);
@@ -236,7 +237,7 @@ impl Hub {
 
     /// How long the next turn may wait.
     pub fn pause(&self) -> Span {
-        if self.orders.any() {
+        if self.is_busy() {
             Span::from_millis(1)
         } else if self.clients.values().any(|client| !client.subscriptions.is_empty()) {
             Span::from_millis(10)
@@ -245,9 +246,9 @@ impl Hub {
         }
     }
 
-    /// Whether orders wait for their answers.
+    /// Whether orders wait for their answers, or the lock for its file.
     pub fn is_busy(&self) -> bool {
-        self.orders.any()
+        self.orders.any() || self.lock.is_busy()
     }
 
     /// The rig ends: everyone is informed, and what was not done will not be.

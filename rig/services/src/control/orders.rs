@@ -177,7 +177,7 @@ impl Hub {
         }
     }
 
-    fn work_of(&mut self, by: Option<ClientId>) -> Option<&mut super::client::Work> {
+    pub(super) fn work_of(&mut self, by: Option<ClientId>) -> Option<&mut super::client::Work> {
         by.and_then(|id| self.clients.get_mut(&id)).and_then(|client| client.work.as_mut())
     }
 }

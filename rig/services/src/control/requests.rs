@@ -8,9 +8,10 @@ use control::{
 };
 use signal::{Span, Time, Value, When};
 
-use super::client::{ClientId, Then, Work};
+use super::client::{ClientConnection, ClientId, Then, Work};
 use super::decode::{fault, short};
 use super::hub::Hub;
+use super::log_limit::LogTopic;
 use super::rig::RigOrder;
 use super::topic::{Of, Subscription, Waiting};
 use crate::codes;
@@ -136,17 +137,9 @@ impl Hub {
             }
             RequestOperation::Lock { note } => {
                 let by = self.called(id);
-                self.lock.set(Some(Locked { by, note: short(&note) }))?;
-                self.status_cache.fresh = false;
-                self.say_of(id, &format!("locks the rig: {}", short(&note)), now);
-                return Ok(Outcome::Done);
+                return self.set_lock(id, number, Some(Locked { by, note: short(&note) }), now);
             }
-            RequestOperation::Unlock => {
-                self.lock.set(None)?;
-                self.status_cache.fresh = false;
-                self.say_of(id, "unlocks the rig", now);
-                return Ok(Outcome::Done);
-            }
+            RequestOperation::Unlock => return self.set_lock(id, number, None, now),
             RequestOperation::Leave { forces } => {
                 let mut orders = VecDeque::new();
                 if forces == Forces::Release {
@@ -163,6 +156,54 @@ impl Hub {
             }
         }
         Ok(Outcome::Answered)
+    }
+
+    /// Locks the rig, or ends that. The answer comes once it is kept.
+    fn set_lock(
+        &mut self,
+        id: ClientId,
+        number: u64,
+        to: Option<Locked>,
+        now: Time,
+    ) -> Result<Outcome, RequestFault> {
+        let does = match &to {
+            Some(Locked { note, .. }) => format!("locks the rig: {note}"),
+            None => "unlocks the rig".into(),
+        };
+        if self.lock.set(to)? {
+            self.locked(id, &does, now);
+            return Ok(Outcome::Done);
+        }
+        if let Some(client) = self.clients.get_mut(&id) {
+            client.work = Some(Work::new(number, Then::Locked(does), VecDeque::new()));
+        }
+        Ok(Outcome::Answered)
+    }
+
+    fn locked(&mut self, id: ClientId, does: &str, now: Time) {
+        self.status_cache.fresh = false;
+        self.say_of(id, does, now);
+    }
+
+    /// Answers who locked or unlocked the rig, once that is kept or failed.
+    pub(super) fn settle_lock(&mut self, now: Time) {
+        let Some(kept) = self.lock.poll() else { return };
+        self.status_cache.fresh = false;
+        let waits = |client: &ClientConnection| {
+            client.work.as_ref().is_some_and(|work| matches!(work.then, Then::Locked(_)))
+        };
+        let Some(id) = self.clients.iter().find(|(_, client)| waits(client)).map(|(id, _)| *id) else {
+            if kept.is_ok() {
+                let now_is = if self.lock.now().is_some() { "locked" } else { "unlocked" };
+                let text = format!("the rig is {now_is} for a client that is gone");
+                self.say(LogTopic::Actions, &text, now);
+            }
+            return;
+        };
+        if let (Err(fault), Some(work)) = (kept, self.work_of(Some(id))) {
+            work.fault = Some(fault);
+        }
+        self.complete(id, now);
     }
 
     fn hello(
@@ -251,6 +292,10 @@ impl Hub {
         }
         match then {
             Then::Done => self.answer(id, number, Ok(&Done {}), now),
+            Then::Locked(does) => {
+                self.locked(id, &does, now);
+                self.answer(id, number, Ok(&Done {}), now);
+            }
             Then::Values => {
                 let values = values.into_iter().map(WireValue).collect();
                 self.answer(id, number, Ok(&SignalValues { values }), now);
