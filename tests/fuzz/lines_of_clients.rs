@@ -70,11 +70,12 @@ impl Rig for Willing {
     }
 }
 
-/// Bytes of a client: each line that is not empty is answered once, whatever it is, and what is read as a request is
+/// Bytes of a client: each line is answered once, whatever it is, and what is read as a request is
 /// written as one that reads the same.
 pub fn control(data: &[u8]) {
-    let lines = data.split(|byte| *byte == b'\n');
-    let lines: Vec<&[u8]> = lines.filter(|line| !line.iter().all(u8::is_ascii_whitespace)).collect();
+    let mut lines: Vec<&[u8]> = data.split(|byte| *byte == b'\n').collect();
+    // Nothing after the end of the last line is no line.
+    lines.pop_if(|line| line.is_empty());
     for line in &lines {
         match decode(line) {
             Ok(request) => comes_again(&request),

@@ -25,6 +25,9 @@ pub fn decode(line: &[u8]) -> Result<Request, BadRequest> {
         let message = format!("the line is not UTF-8 from byte {} on", error.valid_up_to() + 1);
         nameless(fault(codes::JSON, message, "write text in UTF-8"))
     })?;
+    if text.trim().is_empty() {
+        return Err(nameless(fault(codes::JSON, "the line is empty".into(), EXAMPLE)));
+    }
     let value: Value = serde_json::from_str(text).map_err(|error| {
         // serde_json names the line, too, but there is only this one.
         let said = error.to_string();

@@ -107,9 +107,10 @@ proptest! {
         let lines = reader.end();
         let answers = lines.iter().filter(|line| line.get("event").is_none());
         let answered: Vec<Option<u64>> = answers.map(|line| line["id"].as_u64()).collect();
-        let asked = bytes.split(|byte| *byte == b'\n');
-        let asked = asked.filter(|line| !line.iter().all(u8::is_ascii_whitespace));
-        let asked: Vec<Option<u64>> = asked.map(|line| {
+        let mut asked: Vec<&[u8]> = bytes.split(|byte| *byte == b'\n').collect();
+        // Nothing after the end of the last line is no line.
+        asked.pop_if(|line| line.is_empty());
+        let asked: Vec<Option<u64>> = asked.into_iter().map(|line| {
             let value: Json = serde_json::from_slice(line).ok()?;
             value.get("id")?.as_u64()
         }).collect();
