@@ -6,6 +6,7 @@ use std::future::{Future, poll_fn};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::task::{Context, Poll, Waker};
 use std::thread::JoinHandle;
@@ -31,6 +32,8 @@ use crate::codes;
 const CHUNK: usize = 16 * 1024;
 /// How long those who do not read are waited for at the end.
 const FAREWELL: Duration = Duration::from_secs(1);
+/// How long the thread is waited for at the end: what it does in vain is over long before.
+const END: Duration = Duration::from_secs(5);
 /// How long nobody is let in when the machine has no room for another connection.
 const NO_ROOM: Duration = Duration::from_millis(100);
 /// Files that the process has open beside the connections.
@@ -42,17 +45,25 @@ pub struct Serving {
     path: PathBuf,
     stop: Arc<Stop>,
     thread: Option<JoinHandle<()>>,
+    /// Nothing comes by it; it ends with the thread.
+    ended: Mutex<Receiver<()>>,
 }
 
 #[derive(Debug, Default)]
 struct Stop {
     why: Mutex<Option<String>>,
     bell: Notify,
+    /// The socket's file, until somebody removes it.
+    socket: Mutex<Option<Socket>>,
 }
 
 impl Stop {
     fn why(&self) -> Option<String> {
         self.why.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    fn remove_socket(&self) {
+        drop(self.socket.lock().unwrap_or_else(PoisonError::into_inner).take());
     }
 }
 
@@ -68,7 +79,7 @@ impl Serving {
     }
 
     /// Informs every client that the rig ends, and why, and waits until they know, but no longer than a second. The
-    /// socket's file is gone then.
+    /// socket's file is gone then. A thread that hangs all the same is left after some seconds.
     pub fn end(mut self, why: &str) {
         self.finish(why);
     }
@@ -77,6 +88,11 @@ impl Serving {
         self.stop.why.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_with(|| why.into());
         self.stop.bell.notify_one();
         if let Some(thread) = self.thread.take() {
+            let ended = self.ended.get_mut().unwrap_or_else(PoisonError::into_inner);
+            if ended.recv_timeout(END) == Err(RecvTimeoutError::Timeout) {
+                tracing::warn!("the thread of the control socket hangs, and is left");
+                return self.stop.remove_socket();
+            }
             // A thread that panicked has nothing left to end; the socket's file went with it.
             let _ = thread.join();
         }
@@ -106,13 +122,16 @@ pub fn serve(
     make_room(settings.limits.clients);
     let runtime =
         tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build().map_err(cannot)?;
-    let stop = Arc::new(Stop::default());
     let path = socket.path().to_path_buf();
+    let stop = Arc::new(Stop { socket: Mutex::new(Some(socket)), ..Stop::default() });
+    let (runs, ended) = mpsc::channel::<()>();
     tracing::info!(socket = %path.display(), "clients are served");
     let (ends, kept) = (stop.clone(), settings.clone());
     let thread = std::thread::Builder::new()
         .name("control".into())
         .spawn(move || {
+            let _runs = runs;
+            let _socket = SocketFile(&ends);
             let hub = Hub::new(Box::new(rig), kept, Box::new(log));
             let shared = Rc::new(Shared::new(hub));
             LocalSet::new().block_on(&runtime, async {
@@ -120,10 +139,18 @@ pub fn serve(
                     run(&shared, listener, &ends).await;
                 }
             });
-            drop(socket);
         })
         .map_err(cannot)?;
-    Ok(Serving { path, stop, thread: Some(thread) })
+    Ok(Serving { path, stop, thread: Some(thread), ended: Mutex::new(ended) })
+}
+
+/// Removes the socket's file, however the thread ends.
+struct SocketFile<'a>(&'a Stop);
+
+impl Drop for SocketFile<'_> {
+    fn drop(&mut self) {
+        self.0.remove_socket();
+    }
 }
 
 /// Lets the process have as many connections as there may be clients, as far as its own limit goes.
