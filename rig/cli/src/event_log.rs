@@ -17,7 +17,8 @@ pub fn start() {
     let Some(text) = std::env::var_os(VARIABLE).filter(|text| !text.is_empty()) else { return };
     match filter(&text.to_string_lossy()) {
         Ok(filter) => {
-            let lines = tracing_subscriber::fmt::layer().with_writer(std::io::stderr).with_thread_names(true);
+            let lines =
+                tracing_subscriber::fmt::layer().with_writer(|| output::ErrorStream).with_thread_names(true);
             // A closed standard error is no fault.
             let lines = lines.log_internal_errors(false);
             // It is the first and the only one.

@@ -18,6 +18,7 @@ mod explain;
 mod files;
 mod history;
 mod judge;
+mod line_queue;
 mod new;
 mod operator;
 mod output;

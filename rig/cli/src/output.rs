@@ -2,11 +2,14 @@
 
 use crate::code_pages;
 use crate::exit::ExitStatus;
+use crate::line_queue::LineQueue;
 use clap::ValueEnum;
 use control::RequestFault;
 use document::{Diagnostic, SourceFile};
-use std::io::{IsTerminal, Write};
+use std::backtrace::{Backtrace, BacktraceStatus};
+use std::io::{self, IsTerminal, Write};
 use std::sync::OnceLock;
+use std::time::Duration;
 
 /// Whether to colour text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -78,11 +81,71 @@ fn decide(choice: ColorChoice, terminal: bool, variable: &dyn Fn(&str) -> Option
     }
 }
 
+/// The queues of a command that no reader may hold up: standard output, standard error.
+static QUEUES: OnceLock<[LineQueue; 2]> = OnceLock::new();
+
+/// How long readers are waited for at the end of such a command, each.
+const SETTLE: Duration = Duration::from_secs(1);
+
+/// From now on nothing that is printed waits for its reader, not even the words of a panic: what a pipe or terminal does not
+/// take in time is left out and counted. For a command that keeps outputs driven.
+///
+/// # Errors
+/// The machine has no room for two threads.
+pub fn never_wait() -> io::Result<()> {
+    let queues = [LineQueue::start("output", io::stdout())?, LineQueue::start("errors", io::stderr())?];
+    // There is one command, and it asks once.
+    let _ = QUEUES.set(queues);
+    std::panic::set_hook(Box::new(|panic| {
+        let thread = std::thread::current();
+        let mut text = format!("thread '{}' {panic}\n", thread.name().unwrap_or("without a name"));
+        let trace = Backtrace::capture();
+        if trace.status() == BacktraceStatus::Captured {
+            text += &format!("{trace}\n");
+        }
+        print_error(&text);
+    }));
+    Ok(())
+}
+
+/// Waits until what was printed is read, where [`never_wait`] was called: for a second at most.
+pub fn settle() {
+    for queue in QUEUES.get().into_iter().flatten() {
+        // What is left then is nobody's any more.
+        let _ = queue.settle(SETTLE);
+    }
+}
+
+/// Prints on standard error.
+fn print_error(text: &str) {
+    let _ = ErrorStream.write_all(text.as_bytes());
+}
+
+/// Standard error as this command uses it.
+#[derive(Clone, Copy, Debug)]
+pub struct ErrorStream;
+
+impl Write for ErrorStream {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match QUEUES.get() {
+            Some([_, errors]) => {
+                errors.put(bytes);
+                Ok(bytes.len())
+            }
+            None => io::stderr().write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
 /// Prints findings with the lines that they point into, on standard error.
 pub fn findings(found: &[Diagnostic], sources: &[SourceFile]) {
     if !found.is_empty() {
         let text = document::render(found, sources, color());
-        let _ = writeln!(std::io::stderr(), "{}", text.trim_end());
+        print_error(&format!("{}\n", text.trim_end()));
     }
 }
 
@@ -113,22 +176,25 @@ pub fn fault(fault: &RequestFault) {
 
 /// Prints one line on standard error.
 pub fn error(text: &str) {
-    let _ = writeln!(std::io::stderr(), "error: {text}");
+    print_error(&format!("error: {text}\n"));
 }
 
 /// Prints a note on standard error.
 pub fn note(text: &str) {
-    let _ = writeln!(std::io::stderr(), "note: {text}");
+    print_error(&format!("note: {text}\n"));
 }
 
 /// Prints one line on standard error.
 pub fn info(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{text}");
+    print_error(&format!("{text}\n"));
 }
 
 /// Prints on standard output; a closed pipe is no fault.
 pub fn print(text: &str) {
-    let _ = std::io::stdout().write_all(text.as_bytes());
+    match QUEUES.get() {
+        Some([output, _]) => output.put(text.as_bytes()),
+        None => drop(io::stdout().write_all(text.as_bytes())),
+    }
 }
 
 #[cfg(test)]

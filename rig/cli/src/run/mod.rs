@@ -74,14 +74,17 @@ pub struct RunArgs {
 
 /// Keeps a controller running.
 pub fn run(args: &RunArgs) -> ExitStatus {
-    let mut sources = Vec::new();
-    match try_run(args, &mut sources) {
-        Ok(exit) => exit,
-        Err(found) => {
-            output::findings(&found, &sources);
-            ExitStatus::UserFiles
-        }
+    if let Err(error) = output::never_wait() {
+        output::error(&format!("the rig's threads cannot be started: {error}"));
+        return ExitStatus::Error;
     }
+    let mut sources = Vec::new();
+    let exit = try_run(args, &mut sources).unwrap_or_else(|found| {
+        output::findings(&found, &sources);
+        ExitStatus::UserFiles
+    });
+    output::settle();
+    exit
 }
 
 fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<ExitStatus, Vec<Diagnostic>> {
