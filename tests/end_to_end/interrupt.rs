@@ -23,7 +23,7 @@ fn interrupt(child: &Child, signal: Signal) {
 }
 
 /// The exit code, of a command that must end now.
-fn end(mut child: Child) -> Option<i32> {
+pub fn end(mut child: Child) -> Option<i32> {
     let began = Instant::now();
     loop {
         if let Some(status) = child.try_wait().unwrap() {
@@ -38,7 +38,7 @@ fn end(mut child: Child) -> Option<i32> {
 }
 
 /// Waits until the command catches the signal: from then on the cases run.
-fn wait_for_handler(child: &Child, signal: Signal) {
+pub fn wait_for_handler(child: &Child, signal: Signal) {
     let began = Instant::now();
     loop {
         let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();

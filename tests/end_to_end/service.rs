@@ -95,3 +95,20 @@ fn a_manager_that_is_not_there_is_said_before_anything_moves() {
     assert!(run("WATCHDOG_USEC", "1000").contains("R0340"));
     assert!(run("WATCHDOG_USEC", "soon").contains("R0341"));
 }
+
+#[test]
+fn a_manager_that_takes_nothing_does_not_hold_up_the_end() {
+    let bench = TestProject::new();
+    let path = bench.path("notify");
+    let manager = UnixDatagram::bind(&path).unwrap();
+    let fill = UnixDatagram::unbound().unwrap();
+    fill.set_nonblocking(true).unwrap();
+    // Nothing more fits into its queue.
+    while fill.send_to(b"X", &path).is_ok() {}
+    let rig = start(&bench, path.to_str().unwrap(), "200000");
+    // As soon as the signal is caught it counts.
+    crate::interrupt::wait_for_handler(&rig, Signal::SIGTERM);
+    kill(Pid::from_raw(rig.id() as i32), Signal::SIGTERM).unwrap();
+    assert_eq!(crate::interrupt::end(rig), Some(0));
+    drop(manager);
+}

@@ -1,7 +1,7 @@
 //! Notifies the service manager of a controller that is kept running: sd_notify(3).
 //!
-//! A thread of its own sends, without real-time priority: a manager that does not read delays nothing. It sends the
-//! watchdog's keep-alive only if the executor has turned since the last one, so that the manager notices one that hangs.
+//! A thread of its own sends, without real-time priority: a manager that does not read delays nothing, and the end of the rig
+//! by a few seconds at most. It sends the watchdog's keep-alive only if the executor has turned since the last one, so that the manager notices one that hangs.
 
 use document::Diagnostic;
 use runtime::LoopCounter;
@@ -10,8 +10,9 @@ use std::io;
 use std::os::linux::net::SocketAddrExt;
 use std::os::unix::ffi::OsStrExt;
 use std::os::unix::net::{SocketAddr, UnixDatagram};
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
-use std::thread::JoinHandle;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, SyncSender};
 use std::time::{Duration, Instant};
 
 /// Where the manager listens: a path, or `@` and an abstract name.
@@ -26,23 +27,46 @@ const WATCHDOG_PID: &str = "WATCHDOG_PID";
 /// The least time between two looks at the executor, which turns every 50 ms at rest.
 const SHORTEST_PERIOD: Duration = Duration::from_millis(1);
 
+/// How long the manager may take to take a notification.
+const SEND: Duration = Duration::from_secs(1);
+
+/// How long the last notifications are waited for.
+const END: Duration = Duration::from_secs(4);
+
+/// Notifications that wait. What a manager does not take in time is left out: the states between the first and the last.
+const WAITING: usize = 64;
+
 /// Notifies the service manager, if there is one, until it is dropped.
 #[derive(Debug)]
 pub struct ServiceNotifier {
-    handle: Option<(NotifierHandle, JoinHandle<()>)>,
+    handle: Option<NotifierHandle>,
+    /// Nothing comes by it; it ends with the thread.
+    ended: Receiver<()>,
 }
 
 /// Notifies it from another thread.
 #[derive(Clone, Debug)]
-pub struct NotifierHandle(Sender<Notification>);
+pub struct NotifierHandle {
+    notifications: SyncSender<Notification>,
+    signs: Arc<EndSigns>,
+}
+
+/// What the thread sees however many notifications wait.
+#[derive(Debug, Default)]
+struct EndSigns {
+    /// The rig was asked to end.
+    stopping: AtomicBool,
+    /// It has ended.
+    over: AtomicBool,
+}
 
 /// What it is notified of.
 #[derive(Debug)]
 enum Notification {
     Ready,
     Status(String),
-    Stopping,
-    End,
+    /// Wakes the thread, which looks at the signs of the end.
+    Sign,
 }
 
 /// What the environment says of the manager.
@@ -82,7 +106,8 @@ impl ServiceNotifier {
     /// The environment's variables are invalid, or nobody listens there.
     pub fn start(turns: &'static LoopCounter) -> Result<ServiceNotifier, Diagnostic> {
         let wanted = ManagerEnvironment::read(|name| std::env::var_os(name), std::process::id())?;
-        let Some(socket) = wanted.socket else { return Ok(ServiceNotifier { handle: None }) };
+        let (runs, ended) = mpsc::channel::<()>();
+        let Some(socket) = wanted.socket else { return Ok(ServiceNotifier { handle: None, ended }) };
         let unreachable = |error: io::Error| {
             let message =
                 format!("the service manager cannot be notified at {}: {error}", socket.to_string_lossy());
@@ -92,14 +117,18 @@ impl ServiceNotifier {
             ))
         };
         let socket = connect(&socket).map_err(unreachable)?;
-        let (sender, notifications) = mpsc::channel();
-        let body = move || notify_loop(&socket, &notifications, turns, wanted.watchdog);
-        let thread =
-            std::thread::Builder::new().name(String::from("notify")).spawn(body).map_err(|error| {
-                Diagnostic::error("R0340", format!("the service manager cannot be notified: {error}"))
-                    .help("let the service have more threads (`TasksMax`)")
-            })?;
-        Ok(ServiceNotifier { handle: Some((NotifierHandle(sender), thread)) })
+        let (sender, notifications) = mpsc::sync_channel(WAITING);
+        let handle = NotifierHandle { notifications: sender, signs: Arc::default() };
+        let signs = handle.signs.clone();
+        let body = move || {
+            let _runs = runs;
+            notify_loop(&socket, &notifications, &signs, turns, wanted.watchdog);
+        };
+        std::thread::Builder::new().name(String::from("notify")).spawn(body).map_err(|error| {
+            Diagnostic::error("R0340", format!("the service manager cannot be notified: {error}"))
+                .help("let the service have more threads (`TasksMax`)")
+        })?;
+        Ok(ServiceNotifier { handle: Some(handle), ended })
     }
 
     /// The controller scans, or waits for its supply.
@@ -115,13 +144,13 @@ impl ServiceNotifier {
 
     /// For the handler of signals; `None` where there is no service manager.
     pub fn handle(&self) -> Option<NotifierHandle> {
-        self.handle.as_ref().map(|(handle, _)| handle.clone())
+        self.handle.clone()
     }
 
     fn send(&self, notification: Notification) {
-        if let Some((handle, _)) = &self.handle {
-            // The thread ends only after the last notification.
-            let _ = handle.0.send(notification);
+        if let Some(handle) = &self.handle {
+            // What finds no room is left out: the manager takes nothing.
+            let _ = handle.notifications.try_send(notification);
         }
     }
 }
@@ -129,23 +158,25 @@ impl ServiceNotifier {
 impl NotifierHandle {
     /// The rig was asked to end.
     pub fn stopping(&self) {
-        let _ = self.0.send(Notification::Stopping);
+        self.signs.stopping.store(true, Ordering::Release);
+        let _ = self.notifications.try_send(Notification::Sign);
     }
 }
 
 impl Drop for ServiceNotifier {
     fn drop(&mut self) {
-        if let Some((handle, thread)) = self.handle.take() {
+        if let Some(handle) = self.handle.take() {
+            handle.signs.over.store(true, Ordering::Release);
             handle.stopping();
-            let _ = handle.0.send(Notification::End);
-            // A panic there has printed its message, and nothing here depends on it.
-            let _ = thread.join();
+            // The thread ends within this time; one that does not is left.
+            let _ = self.ended.recv_timeout(END);
         }
     }
 }
 
 fn connect(name: &OsStr) -> io::Result<UnixDatagram> {
     let socket = UnixDatagram::unbound()?;
+    socket.set_write_timeout(Some(SEND))?;
     match name.as_bytes() {
         [b'@', name @ ..] => socket.connect_addr(&SocketAddr::from_abstract_name(name)?)?,
         [b'/', ..] => socket.connect(name)?,
@@ -154,34 +185,49 @@ fn connect(name: &OsStr) -> io::Result<UnixDatagram> {
     Ok(socket)
 }
 
-/// Sends notifications until the last one, and keep-alives in between.
+/// Sends notifications until the rig has ended, and keep-alives in between.
 fn notify_loop(
     socket: &UnixDatagram,
     notifications: &Receiver<Notification>,
+    signs: &EndSigns,
     turns: &LoopCounter,
     watchdog: Option<Duration>,
 ) {
-    // A manager that went away comes back, or ends the rig: neither is for the rig to decide.
+    // A manager that went away comes back, or ends the rig: neither is for the rig to decide. Nor is one that takes nothing.
     let say = |text: &str| drop(socket.send(text.as_bytes()));
     let mut watchdog_timer = watchdog.map(|limit| WatchdogTimer::new(limit, Instant::now()));
     let mut stopping = false;
     loop {
-        let notification = match &watchdog_timer {
+        let mut notification = match &watchdog_timer {
             Some(watchdog_timer) => {
                 notifications.recv_timeout(watchdog_timer.due.saturating_duration_since(Instant::now()))
             }
             None => notifications.recv().map_err(|_| RecvTimeoutError::Disconnected),
         };
-        match notification {
-            Ok(Notification::Ready) => say("READY=1\nSTATUS=ready"),
-            Ok(Notification::Status(text)) => say(&format!("STATUS={text}")),
-            Ok(Notification::Stopping) if stopping => {}
-            Ok(Notification::Stopping) => {
-                stopping = true;
-                say("STOPPING=1\nSTATUS=stopping");
+        let over = signs.over.load(Ordering::Acquire)
+            || notification.as_ref().is_err_and(|end| *end == RecvTimeoutError::Disconnected);
+        // Of the states that wait at the end the last one counts.
+        let mut last = None;
+        loop {
+            match notification {
+                Ok(Notification::Ready) => say("READY=1\nSTATUS=ready"),
+                Ok(Notification::Status(text)) if over => last = Some(text),
+                Ok(Notification::Status(text)) => say(&format!("STATUS={text}")),
+                Ok(Notification::Sign) | Err(_) => {}
             }
-            Ok(Notification::End) | Err(RecvTimeoutError::Disconnected) => return,
-            Err(RecvTimeoutError::Timeout) => {}
+            match over.then(|| notifications.try_recv()) {
+                Some(Ok(next)) => notification = Ok(next),
+                _ => break,
+            }
+        }
+        if let Some(text) = last {
+            say(&format!("STATUS={text}"));
+        }
+        if signs.stopping.load(Ordering::Acquire) && !std::mem::replace(&mut stopping, true) {
+            say("STOPPING=1\nSTATUS=stopping");
+        }
+        if over {
+            return;
         }
         if watchdog_timer
             .as_mut()
