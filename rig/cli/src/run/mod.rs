@@ -114,8 +114,15 @@ fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<ExitStatus, 
     let hardware = Hardware::open(&board.0)?.map(|hardware| hardware.with_lock(lock));
     output::findings(&hardware.as_ref().map(Hardware::warnings).unwrap_or_default(), sources);
     let plans = live::PlanBench { source: Arc::new(HostPlans), board: board.clone(), seed: args.seed };
-    let (rig, port, slot) =
-        live::open(&case, &files, hardware.as_ref(), stepped, env!("CARGO_PKG_VERSION"), Some(plans))?;
+    let (rig, port, slot) = live::open(
+        &case,
+        &files,
+        hardware.as_ref(),
+        stepped,
+        env!("CARGO_PKG_VERSION"),
+        Some(plans),
+        &INTERRUPT,
+    )?;
     let serving = serve(&args.control, &board.0, rig).map_err(|found| vec![found])?;
     let port = Mutex::new(port);
     let options = RunOptions {

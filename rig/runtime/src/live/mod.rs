@@ -29,12 +29,13 @@ use handle::{MOST_WATCHED, PlanOrders};
 use profile::OVERLOAD_PERCENT;
 use status::StatusSource;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 pub use handle::LiveRig;
 pub use plans::{PlanBench, PlanSlot, PlanSource, run_with_plans};
 
 /// The two ends of a rig that is about to be kept running: the handle for the socket, the port for the scan; and where plans
-/// that a client chose wait for [`run_with_plans`].
+/// that a client chose wait for [`run_with_plans`]. Once `interrupt` is set nothing waits for clients any more.
 ///
 /// # Errors
 /// Findings in the user's files, and stepped time on real lines.
@@ -45,6 +46,7 @@ pub fn open(
     led: bool,
     version: &str,
     plans: Option<PlanBench>,
+    interrupt: &'static AtomicBool,
 ) -> Result<(LiveRig, ScanPort, PlanSlot), Vec<Diagnostic>> {
     let file = &files.board;
     if led && file.is_real() {
@@ -88,7 +90,7 @@ pub fn open(
     let bell = ScanPort::bell(hardware.map(Hardware::surroundings));
     let (inside, outside) = queues(&snapshot);
     let late = hardware.and_then(Hardware::late).unwrap_or(DEFAULT_LATE);
-    let room = PortLimits { sources: directory.most(), watches: MOST_WATCHED, led, late };
+    let room = PortLimits { sources: directory.most(), watches: MOST_WATCHED, led, late, interrupt };
     let slot = PlanSlot::default();
     let port = ScanPort::new(inside, bell.clone(), snapshot.clone(), room);
     let realtime = hardware.is_some_and(Hardware::has_priority);

@@ -12,6 +12,7 @@ use drivers::{BoardContext, BusEvent, ChannelId, LossReason};
 use host::{Bell, HostInstant};
 use signal::{SerialErrors, Span, Time, Value, When};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// From one snapshot to the next.
 const EVERY: Span = Span::from_millis(50);
@@ -48,6 +49,7 @@ pub struct ScanPort {
     taken: u32,
     /// Waits that end later than this are overruns.
     late: Span,
+    interrupt: &'static AtomicBool,
     /// What is watched, by source.
     watched: Vec<Option<(ObservedSource, ProbeId)>>,
     /// The source of each probe.
@@ -91,6 +93,8 @@ pub struct PortLimits {
     pub led: bool,
     /// How late the rig may be.
     pub late: Span,
+    /// Ends every wait for clients: the end of the rig waits for none.
+    pub interrupt: &'static AtomicBool,
 }
 
 impl ScanPort {
@@ -104,6 +108,7 @@ impl ScanPort {
             advancing: None,
             taken: 0,
             late: room.late,
+            interrupt: room.interrupt,
             watched: vec![None; room.sources],
             probes: vec![NONE; room.watches],
             channels: vec![unseen; snapshot.lines.len()],
@@ -442,13 +447,19 @@ impl ScanPort {
     /// Time that is led can wait until somebody listens.
     #[cold]
     fn push_waiting(&mut self, mut event: ScanEvent) {
-        while !self.ends.events.is_abandoned() {
+        while self.may_wait() {
             self.wait();
             match self.ends.events.push(event) {
                 Ok(()) => return,
                 Err(rtrb::PushError::Full(back)) => event = back,
             }
         }
+        self.now.untold += 1;
+    }
+
+    /// Whether somebody is there to be waited for.
+    fn may_wait(&self) -> bool {
+        !self.ends.events.is_abandoned() && !self.interrupt.load(Ordering::Relaxed)
     }
 
     /// Whether it is time for a snapshot.
@@ -463,7 +474,7 @@ impl ScanPort {
         self.next = now.saturating_add(EVERY);
         self.stale = false;
         let mut empty = self.ends.empty.pop();
-        while self.led && empty.is_err() && !self.ends.events.is_abandoned() {
+        while self.led && empty.is_err() && self.may_wait() {
             self.wait();
             empty = self.ends.empty.pop();
         }
@@ -493,12 +504,40 @@ mod tests {
     use super::*;
     use signal::SerialMessage;
 
+    static NEVER: AtomicBool = AtomicBool::new(false);
+
+    /// In stepped time the scan waits for room, but not once the rig is to end.
+    #[test]
+    fn the_end_of_a_rig_waits_for_no_client_that_leads_its_time() {
+        static INTERRUPT: AtomicBool = AtomicBool::new(false);
+        let snapshot = Snapshot::new(0, 0, 0);
+        let (inside, outside) = queues(&snapshot);
+        let room = PortLimits { sources: 1, watches: 1, led: true, late: Span::ZERO, interrupt: &INTERRUPT };
+        let mut port = ScanPort::new(inside, Arc::default(), snapshot, room);
+        let reports = std::thread::spawn(move || {
+            let mut number = 0_i64;
+            while port.now.untold == 0 {
+                number += 1;
+                port.push(ScanEvent::Log(Time::from_nanos(number), String::new()));
+            }
+            // Snapshots find no room, either.
+            (0..10).for_each(|_| port.publish(Time::from_nanos(number), |_| {}));
+        });
+        while outside.events.slots() < outside.events.buffer().capacity() {
+            std::thread::yield_now();
+        }
+        assert!(!reports.is_finished());
+        INTERRUPT.store(true, Ordering::Relaxed);
+        reports.join().expect("it ends though nobody takes what it reports");
+        drop(outside);
+    }
+
     /// A client reads one time, however many cases ran before.
     #[test]
     fn both_instants_of_a_message_are_in_the_time_of_the_rig() {
         let snapshot = Snapshot::new(0, 0, 1);
         let (inside, mut outside) = queues(&snapshot);
-        let room = PortLimits { sources: 1, watches: 1, led: false, late: Span::ZERO };
+        let room = PortLimits { sources: 1, watches: 1, led: false, late: Span::ZERO, interrupt: &NEVER };
         let mut port = ScanPort::new(inside, Arc::default(), snapshot, room);
         port.base = Span::from_nanos(1_000);
         let when = |from, to| When::within(Time::from_nanos(from), Time::from_nanos(to));
@@ -514,7 +553,7 @@ mod tests {
         let snapshot = Snapshot::new(0, 0, 0);
         let (inside, mut outside) = queues(&snapshot);
         let bell = Arc::<Bell>::default();
-        let room = PortLimits { sources: 1, watches: 1, led: false, late: Span::ZERO };
+        let room = PortLimits { sources: 1, watches: 1, led: false, late: Span::ZERO, interrupt: &NEVER };
         let mut port = ScanPort::new(inside, bell.clone(), snapshot, room);
         let asked = AT_ONCE * 5 / 2;
         for ticket in 0..asked {

@@ -14,11 +14,13 @@ fn plan() -> String {
     PLAN.replace("expect", "ends = \"start + 900 s\"\nexpect")
 }
 
+static NEVER: AtomicBool = AtomicBool::new(false);
+
 fn rig(texts: &Texts<'_>) -> (LiveRig, ScanPort) {
     let (loaded, jobs) = texts.load(1);
     let case = loaded.plan.case(jobs[0].case).unwrap();
     let files = loaded.files(&case, &jobs[0]).unwrap();
-    let (rig, port, _) = live::open(&case, &files, None, false, "0", None).unwrap();
+    let (rig, port, _) = live::open(&case, &files, None, false, "0", None, &NEVER).unwrap();
     (rig, port)
 }
 

@@ -205,12 +205,13 @@ pub fn with_rig(led: bool, act: impl FnOnce(&mut Bench<'_>)) -> SoftPlcReport {
     let files = loaded.files(&case, &jobs[0]).unwrap();
     let board = (files.board.clone(), BOARD.to_owned());
     let plans = live::PlanBench { source: Arc::new(Library), board, seed: 1 };
-    let (mut rig, port, slot) = live::open(&case, &files, None, led, "0", Some(plans)).unwrap();
+    // As the signal handler's: there as long as the program.
+    let interrupt: &AtomicBool = Box::leak(Box::new(AtomicBool::new(false)));
+    let (mut rig, port, slot) = live::open(&case, &files, None, led, "0", Some(plans), interrupt).unwrap();
     let port = Mutex::new(port);
-    let interrupt = AtomicBool::new(false);
     let kind = if led { ClockKind::Virtual } else { ClockKind::Real };
     let options =
-        RunOptions { slice: Span::from_millis(10), live: Some(&port), ..RunOptions::new(kind, &interrupt) };
+        RunOptions { slice: Span::from_millis(10), live: Some(&port), ..RunOptions::new(kind, interrupt) };
     let (sender, _events) = mpsc::sync_channel(1_024);
     let settings = SoftPlcSettings { duration: None, booted: true };
     std::thread::scope(|scope| {
