@@ -115,19 +115,17 @@ pub fn run(client: &mut ControlClient, args: &AwaitArgs) -> Result<ExitStatus, C
     let mut met = begun.values.iter().fold(false, |_, change| take(&mut wanted, change));
     if let Some(by) = args.advance.filter(|_| !met) {
         commands::advance_by(client, by, STEP, |client| {
-            while let Some(event) = client.next(Duration::ZERO)? {
-                met = met || event_meets(&mut wanted, &event);
-            }
+            client.take_waiting(|event| met = met || event_meets(&mut wanted, &event))?;
             Ok(!met)
         })?;
     } else {
         let until = args.within.map(|within| Instant::now() + host(within));
         while !met {
             let left = until.map_or(WAIT, |until| until.saturating_duration_since(Instant::now()).min(WAIT));
-            match client.next(left)? {
-                Some(event) => met = event_meets(&mut wanted, &event),
-                None if until.is_some_and(|until| Instant::now() >= until) => break,
-                None => {}
+            met = client.next(left)?.is_some_and(|event| event_meets(&mut wanted, &event));
+            // Also of a rig that sends one event after the other.
+            if until.is_some_and(|until| Instant::now() >= until) {
+                break;
             }
         }
     }

@@ -85,9 +85,7 @@ pub fn run(client: &mut ControlClient, args: &FramesArgs) -> Result<ExitStatus, 
     if let Some(by) = args.advance {
         commands::advance_by(client, by, PIECE, |client| {
             let mut goes_on = true;
-            while let Some(event) = client.next(Duration::ZERO)? {
-                goes_on = goes_on && take(&event);
-            }
+            client.take_waiting(|event| goes_on = goes_on && take(&event))?;
             Ok(goes_on)
         })?;
         return Ok(ExitStatus::Passed);

@@ -8,12 +8,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Set by the first interrupt.
 static INTERRUPT: AtomicBool = AtomicBool::new(false);
 
-/// Interrupts are seen from now on by what comes back.
+/// The first interrupt is seen from now on by what comes back; a second one ends the command at once, whatever it waits for.
 ///
 /// # Errors
 /// They cannot be caught.
 pub fn catch() -> Result<impl Fn() -> bool, CtlError> {
-    if let Err(error) = ctrlc::set_handler(|| INTERRUPT.store(true, Ordering::Relaxed)) {
+    let interrupted = || {
+        if INTERRUPT.swap(true, Ordering::Relaxed) {
+            std::process::exit(ExitStatus::Interrupted.code().into());
+        }
+    };
+    if let Err(error) = ctrlc::set_handler(interrupted) {
         output::error(&format!("interrupts cannot be caught: {error}"));
         return Err(CtlError::Exit(ExitStatus::Error));
     }

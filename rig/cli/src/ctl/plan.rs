@@ -6,12 +6,13 @@ use crate::exit::ExitStatus;
 use crate::output;
 use clap::Args;
 use control::{
-    ControlClient, Done, Measured, PlanEvent, Plans, RequestOperation, Subscribed, SubscriptionEvent, Topic,
+    ClientError, ControlClient, Done, Measured, PlanEvent, Plans, RequestOperation, Subscribed,
+    SubscriptionEvent, Topic,
 };
 use record::Verdict;
 use serde_json::json;
 use signal::Span;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// How long the controller may take to stop, and the plan to be read.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -53,13 +54,17 @@ pub fn run(client: &mut ControlClient, args: &PlanArgs) -> Result<ExitStatus, Ct
     let interrupted = interrupt::catch()?;
     client.ask::<Subscribed>(RequestOperation::Subscribe { topic: Topic::Plan })?;
     client.ask_within::<Done>(RequestOperation::Plan { name: args.name.clone() }, PATIENCE)?;
-    let mut aborted = false;
+    // When the end of a plan that was aborted is overdue.
+    let mut due: Option<Instant> = None;
     let mut text_of_plan = RunningPlanText::default();
     loop {
-        if interrupted() && !aborted {
-            aborted = true;
+        if interrupted() && due.is_none() {
+            due = Some(Instant::now() + PATIENCE);
             output::note("interrupted: the plan ends, outputs become safe");
             client.ask_within::<Done>(RequestOperation::Abort, PATIENCE)?;
+        }
+        if due.is_some_and(|due| Instant::now() >= due) {
+            return Err(ClientError::Silent(client.socket().to_owned(), PATIENCE).into());
         }
         match client.next(LOOK_UP)? {
             Some(SubscriptionEvent::Plan { event, .. }) => {
@@ -69,7 +74,7 @@ pub fn run(client: &mut ControlClient, args: &PlanArgs) -> Result<ExitStatus, Ct
                     text_of_plan.shown(&event)
                 });
                 if let PlanEvent::Over { verdict, .. } = event {
-                    return Ok(if aborted { ExitStatus::Interrupted } else { exit_of(&verdict) });
+                    return Ok(if due.is_some() { ExitStatus::Interrupted } else { exit_of(&verdict) });
                 }
             }
             Some(SubscriptionEvent::Missed { lines, .. }) => {

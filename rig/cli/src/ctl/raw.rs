@@ -6,7 +6,8 @@ use crate::exit::ExitStatus;
 use crate::output;
 use crate::rig_address::RigAddress;
 use clap::Args;
-use control::ClientError;
+use control::client::PATIENCE;
+use control::{ClientError, Connection};
 use serde_json::Value as Json;
 use std::io::{BufRead, BufReader, ErrorKind, Write};
 use std::net::Shutdown;
@@ -28,7 +29,9 @@ pub fn run(address: &RigAddress, args: &RawArgs) -> Result<ExitStatus, CtlError>
     let unreachable = |error: std::io::Error| ClientError::Unreachable(socket.clone(), error.kind());
     // Its greeting was taken to see that it is a rig, so this connection starts again.
     drop(rig);
-    let stream = UnixStream::connect(&socket).map_err(unreachable)?;
+    let Connection::Open(stream) = control::connect(&socket, PATIENCE).map_err(unreachable)? else {
+        return Err(ClientError::Silent(socket, PATIENCE).into());
+    };
     let sends = stream.try_clone().map_err(unreachable)?;
     let follow = args.follow;
     // Not joined: it may wait for a line of somebody who types none any more.

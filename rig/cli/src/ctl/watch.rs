@@ -77,9 +77,7 @@ pub fn run(client: &mut ControlClient, args: &CtlWatchArgs) -> Result<ExitStatus
         commands::advance_by(client, by, args.every.max(Span::from_millis(100)), |client| {
             let mut goes_on = true;
             // What the piece brought stands before its answer.
-            while let Some(event) = client.next(Duration::ZERO)? {
-                goes_on = goes_on && view.event(&event);
-            }
+            client.take_waiting(|event| goes_on = goes_on && view.event(&event))?;
             Ok(goes_on)
         })?;
     } else {

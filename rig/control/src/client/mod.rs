@@ -159,6 +159,21 @@ impl ControlClient {
         }
     }
 
+    /// Hands on the events that have come by now. A rig that never pauses is listened to for as long as an answer may take.
+    ///
+    /// # Errors
+    /// A connection that is lost.
+    pub fn take_waiting(&mut self, mut take: impl FnMut(SubscriptionEvent)) -> Result<(), ClientError> {
+        let until = Instant::now() + PATIENCE;
+        while let Some(event) = self.next(Duration::ZERO)? {
+            take(event);
+            if Instant::now() >= until {
+                break;
+            }
+        }
+        Ok(())
+    }
+
     /// Events that came while an answer was awaited, and were more than are kept.
     pub fn unseen(&self) -> u64 {
         self.unseen
