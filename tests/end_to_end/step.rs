@@ -1,7 +1,9 @@
 //! `rig step`: a case step by step, with commands from a script.
 
 use crate::project_folder::{CommandOutput, LAMP, TestProject, drain};
-use std::io::Write;
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+use std::io::{BufRead, BufReader, Read, Write};
 use std::process::Stdio;
 
 fn step(bench: &TestProject, args: &[&str], script: &str) -> CommandOutput {
@@ -105,4 +107,24 @@ fn one_case_is_meant() {
     // Nothing on standard input: to the end.
     let ran = bench.expect(1, &["step", "rows.toml", "--only", "early"]);
     assert!(ran.out.contains("rows[early]") && ran.out.contains("FAIL"), "{}", ran.out);
+}
+
+#[test]
+fn an_interrupt_ends_a_case_that_waits_for_a_command() {
+    for signal in [Signal::SIGINT, Signal::SIGTERM] {
+        let bench = TestProject::new();
+        let mut command = bench.command(&["step", "lamp.toml"]);
+        // An input that has no end and no line.
+        let mut child =
+            command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let mut out = BufReader::new(child.stdout.take().unwrap());
+        let mut text = String::new();
+        while !text.contains("of 2 claims decided") {
+            assert_ne!(out.read_line(&mut text).unwrap(), 0, "{text}");
+        }
+        kill(Pid::from_raw(child.id() as i32), signal).unwrap();
+        out.read_to_string(&mut text).unwrap();
+        assert_eq!(child.wait().unwrap().code(), Some(130));
+        assert!(text.ends_with("quit: the outputs are safe\n"), "{text}");
+    }
 }

@@ -34,6 +34,7 @@ mod schema;
 mod selection;
 mod step;
 mod test;
+mod typed_lines;
 
 use args::{Cli, CliCommand};
 use clap::{CommandFactory, Parser};

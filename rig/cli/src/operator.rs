@@ -1,21 +1,17 @@
 //! The person at the terminal, who answers what steps ask.
 
+use crate::typed_lines::{TypedLine, TypedLines};
 use plans::steps::Question;
 use runtime::{AskError, Operator};
-use std::io::{BufRead, IsTerminal, Write};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError};
-use std::sync::{Mutex, PoisonError, mpsc};
-use std::time::Duration;
-
-/// How long an interrupt may go unseen while somebody thinks.
-const INTERRUPT_POLL: Duration = Duration::from_millis(100);
+use std::io::{IsTerminal, Write};
+use std::sync::atomic::AtomicBool;
+use std::sync::{Mutex, PoisonError};
 
 /// Somebody at the terminal.
 #[derive(Debug, Default)]
 pub struct TerminalOperator {
     /// The lines that are typed, once somebody was asked.
-    lines: Mutex<Option<Receiver<String>>>,
+    lines: Mutex<Option<TypedLines>>,
 }
 
 impl TerminalOperator {
@@ -29,20 +25,6 @@ impl TerminalOperator {
 pub fn is_present() -> bool {
     let watched = std::env::var_os("CI").is_none_or(|ci| ci.is_empty() || ci == "false");
     watched && std::io::stdin().is_terminal() && std::io::stderr().is_terminal()
-}
-
-/// Reads lines beside the run, so that waiting for one can end without one.
-fn lines() -> Receiver<String> {
-    let (send, receive) = mpsc::channel();
-    std::thread::spawn(move || {
-        for line in std::io::stdin().lock().lines() {
-            let Ok(line) = line else { return };
-            if send.send(line).is_err() {
-                return;
-            }
-        }
-    });
-    receive
 }
 
 /// The answer that a line gives: itself in any case of letters, its number, or a beginning that no other has.
@@ -66,9 +48,12 @@ fn chosen(line: &str, answers: &[String]) -> Option<usize> {
 impl Operator for TerminalOperator {
     fn ask(&self, step: &str, question: &Question, interrupt: &AtomicBool) -> Result<usize, AskError> {
         let mut kept = self.lines.lock().unwrap_or_else(PoisonError::into_inner);
-        let lines = kept.get_or_insert_with(lines);
+        if kept.is_none() {
+            *kept = TypedLines::start().ok();
+        }
+        let Some(lines) = kept.as_ref() else { return Err(AskError::Nobody) };
         // What was typed before the question is no answer to it.
-        while lines.try_recv().is_ok() {}
+        lines.forget_waiting();
         let mut text = format!("\n{step}: {}\n", question.text);
         if let Some(photo) = &question.photo {
             text.push_str(&format!("  see {photo}\n"));
@@ -81,15 +66,10 @@ impl Operator for TerminalOperator {
         loop {
             let _ = out.write_all(b"> ");
             let _ = out.flush();
-            let line = loop {
-                if interrupt.load(Ordering::Relaxed) {
-                    return Err(AskError::Interrupted);
-                }
-                match lines.recv_timeout(INTERRUPT_POLL) {
-                    Ok(line) => break line,
-                    Err(RecvTimeoutError::Timeout) => {}
-                    Err(RecvTimeoutError::Disconnected) => return Err(AskError::Nobody),
-                }
+            let line = match lines.next(interrupt) {
+                TypedLine::Line(line) => line,
+                TypedLine::Interrupted => return Err(AskError::Interrupted),
+                TypedLine::End | TypedLine::Failed(_) => return Err(AskError::Nobody),
             };
             match chosen(&line, &question.answers) {
                 Some(answer) => return Ok(answer),

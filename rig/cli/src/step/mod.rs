@@ -62,7 +62,10 @@ fn try_run(args: &StepArgs) -> Result<ExitStatus, ExitStatus> {
         return Err(ExitStatus::Error);
     }
     let guarded = files.guarded(&case).map_err(refuse)?;
-    let mut shell = StepShell::new(&guarded);
+    let mut shell = StepShell::new(&guarded, &INTERRUPT).map_err(|error| {
+        output::error(&format!("standard input cannot be read: {error}"));
+        ExitStatus::Error
+    })?;
     let options = RunOptions::new(ClockKind::Virtual, &INTERRUPT);
     let result = step_case(&case, &files, &options, Some(&mut shell)).map_err(refuse)?;
     if shell.has_quit() || INTERRUPT.load(Ordering::Relaxed) {

@@ -1,6 +1,7 @@
 //! What is shown where a case stands still, and the commands that are read there.
 
 use crate::output;
+use crate::typed_lines::{TypedLine, TypedLines};
 use plans::Case;
 use plans::judge::{ClaimProgress, Scenario};
 use record::Verdict;
@@ -8,7 +9,8 @@ use reports::text::clean;
 use runtime::executor::stepping::{Pause, StepTarget, Stepper};
 use runtime::suite::describe;
 use signal::{SignalInfo, Span, Time, Trace, ValueKind};
-use std::io::{BufRead, IsTerminal};
+use std::io::{self, IsTerminal};
+use std::sync::atomic::AtomicBool;
 
 /// The commands, as `--help` and `help` list them.
 pub const HELP: &str = "\
@@ -20,9 +22,6 @@ Commands, also from a script on standard input:
   claims, c               what is expected, and how far it is
   quit, q                 end here, with the outputs safe
   help, h                 these commands";
-
-/// The longest command that is read.
-const LONGEST: usize = 4_096;
 
 /// What a command asks for.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -73,12 +72,19 @@ pub struct StepShell<'a> {
     /// Verdicts that were shown, in the order of the claims.
     shown: Vec<bool>,
     quit: bool,
+    lines: TypedLines,
+    /// Ends a wait for a command.
+    interrupt: &'a AtomicBool,
 }
 
 impl<'a> StepShell<'a> {
     /// For this case.
-    pub fn new(case: &'a Case) -> StepShell<'a> {
-        StepShell { case, scenario: case.scenario(), shown: Vec::new(), quit: false }
+    ///
+    /// # Errors
+    /// The machine has no room for another thread.
+    pub fn new(case: &'a Case, interrupt: &'a AtomicBool) -> io::Result<StepShell<'a>> {
+        let lines = TypedLines::start()?;
+        Ok(StepShell { case, scenario: case.scenario(), shown: Vec::new(), quit: false, lines, interrupt })
     }
 
     /// Whether the user had enough.
@@ -163,24 +169,25 @@ fn anchor(at: Time, start: Time) -> String {
 impl Stepper for StepShell<'_> {
     fn pause(&mut self, pause: &Pause<'_>) -> StepTarget {
         self.show(pause);
-        let mut input = std::io::stdin().lock();
         loop {
-            if input.is_terminal() {
+            if io::stdin().is_terminal() {
                 output::print("> ");
             }
-            let mut bytes = Vec::new();
-            let read = std::io::Read::take(&mut input, LONGEST as u64).read_until(b'\n', &mut bytes);
-            match read {
-                Ok(1..) => {}
+            let line = match self.lines.next(self.interrupt) {
+                TypedLine::Line(line) => line,
                 // The script is over.
-                Ok(0) => return StepTarget::ToEnd,
-                Err(error) => {
+                TypedLine::End => return StepTarget::ToEnd,
+                TypedLine::Failed(error) => {
                     output::error(&format!("standard input cannot be read: {error}"));
                     self.quit = true;
                     return StepTarget::Quit;
                 }
-            }
-            match StepCommand::parse(&String::from_utf8_lossy(&bytes)) {
+                TypedLine::Interrupted => {
+                    self.quit = true;
+                    return StepTarget::Quit;
+                }
+            };
+            match StepCommand::parse(&line) {
                 Ok(StepCommand::Next) => return StepTarget::Next,
                 Ok(StepCommand::Until(span)) => match pause.start.saturating_add(span) {
                     at if at > pause.now => return StepTarget::Until(at),
