@@ -243,6 +243,7 @@ fn the_control_socket_is_read() {
     let told = ControlSettings {
         socket: Some("/run/rig.sock".into()),
         group: Some("scanrig".into()),
+        group_at: text.find("\"scanrig\"").map_or(0..0, |at| at..at + 9),
         on_disconnect: OnDisconnect::Stop,
         clients: Some(4_096),
     };

@@ -1,8 +1,10 @@
 //! What a board file says of the control socket: `[control]`.
 
+use std::ops::Range;
 use std::path::PathBuf;
 
 use document::{Fields, Findings};
+use host::LONGEST_SOCKET_PATH;
 
 use super::codes;
 
@@ -25,6 +27,8 @@ pub struct ControlSettings {
     pub socket: Option<PathBuf>,
     /// The group whose members may use it.
     pub group: Option<String>,
+    /// Where the group is named, bytes of the file.
+    pub group_at: Range<usize>,
     /// What happens when a client is lost.
     pub on_disconnect: OnDisconnect,
     /// How many clients there may be at once; the usual number if left out.
@@ -35,15 +39,20 @@ pub struct ControlSettings {
 pub(super) fn read(fields: Option<Fields>, out: &mut Findings) -> ControlSettings {
     let Some(fields) = fields else { return ControlSettings::default() };
     let socket = fields.text("socket");
-    if let Some((path, node)) = socket.zip(fields.get("socket"))
-        && !path.starts_with('/')
-    {
-        let message = format!("\"{path}\" is no whole path");
-        out.bad(codes::DOCUMENT.unreadable, node, message, "write as in \"/run/scanrig/rig.sock\"");
+    if let Some((path, node)) = socket.zip(fields.get("socket")) {
+        let help = "write as in \"/run/scanrig/rig.sock\"";
+        if !path.starts_with('/') {
+            out.bad(codes::DOCUMENT.unreadable, node, format!("\"{path}\" is no whole path"), help);
+        } else if path.len() > LONGEST_SOCKET_PATH {
+            let (bytes, most) = (path.len(), LONGEST_SOCKET_PATH);
+            let message = format!("a path of {bytes} bytes is longer than the {most} of a socket");
+            out.bad(codes::DOCUMENT.unreadable, node, message, help);
+        }
     }
     ControlSettings {
         socket: socket.map(PathBuf::from),
         group: fields.text("group").map(str::to_owned),
+        group_at: fields.get("group").map_or(0..0, |node| node.span.clone()),
         on_disconnect: match fields.text("on-disconnect") {
             Some("release") => OnDisconnect::Release,
             Some("stop") => OnDisconnect::Stop,

@@ -1,5 +1,6 @@
 //! `rig check`.
 
+use crate::code_pages;
 use crate::exit::ExitStatus;
 use crate::output;
 use crate::plan_files::Parameters;
@@ -52,7 +53,7 @@ pub fn run(args: &CheckArgs) -> ExitStatus {
         let (path, mut sources) = (path.to_string_lossy(), Vec::new());
         match suite::load_board(&Disk, &path, &mut sources) {
             Ok(read) => {
-                report(&path, &[], &sources);
+                report(&path, &of_this_machine(&read.0), &sources);
                 board = Some(read);
             }
             Err(found) => report(&path, &found, &sources),
@@ -102,10 +103,23 @@ fn check(
     // What cannot be read is reported by the loading.
     let text = Disk.read(path).unwrap_or_default();
     match kind::of(&text) {
-        FileKind::Board => suite::load_board(&Disk, path, sources).map_or_else(|found| found, |_| Vec::new()),
+        FileKind::Board => suite::load_board(&Disk, path, sources)
+            .map_or_else(|found| found, |read| of_this_machine(&read.0)),
         FileKind::Included => suite::check_included(&Disk, path, sources),
         _ => check_plan(path, board, &parameters.of_plan(&Disk, path), sources),
     }
+}
+
+/// What a board file asks of this machine that it does not have. A warning: the file may be for another one.
+fn of_this_machine(board: &BoardFile) -> Vec<Diagnostic> {
+    let missing =
+        board.control.group.as_deref().and_then(|group| services::control::check_group(group).err());
+    let found = missing.map(|fault| {
+        let code = code_pages::registered(&fault.code).unwrap_or("R0632");
+        let at = board.control.group_at.clone();
+        Diagnostic::warning(code, fault.message).at(&board.name, at, "").help(fault.help)
+    });
+    found.into_iter().collect()
 }
 
 /// A plan with its programs: every name that it uses is looked up as a run would, without running.

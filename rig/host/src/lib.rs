@@ -21,6 +21,9 @@ mod thread;
 mod time;
 mod watchdog;
 
+/// The longest path that the kernel takes for a socket, bytes.
+pub const LONGEST_SOCKET_PATH: usize = 107;
+
 pub use background::{Abandoned, BackgroundTask, TaskProgress};
 pub use bell::{Bell, Woken};
 pub use counter::{

@@ -31,3 +31,4 @@ pub use hub::Hub;
 pub use rig::{Answer, MOST_ORDERS, Rig, RigEvent, RigOrder, Ticket};
 pub use serve::{Serving, serve};
 pub use settings::{ClientLimits, OnDisconnect, SocketSettings};
+pub use socket::check_group;

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use control::{Connection, RequestFault, connect};
+use host::LONGEST_SOCKET_PATH;
 use nix::unistd::Group;
 use rustix::fs::{FlockOperation, Gid, chown, flock};
 use rustix::io::Errno;
@@ -19,8 +20,6 @@ use crate::codes;
 const SOCKET_MODE: u32 = 0o660;
 /// The same of a folder that is made for it.
 const FOLDER_MODE: u32 = 0o750;
-/// The longest path that the kernel takes for a socket, bytes.
-const LONGEST_PATH: usize = 107;
 /// How long another program may hold the lock on the socket's folder: a rig that starts or ends needs it for milliseconds.
 const TURN: Duration = Duration::from_secs(2);
 /// How often the lock is asked for: the kernel has no wait for it with a limit.
@@ -44,17 +43,14 @@ impl Socket {
         let path = std::path::absolute(path).map_err(|error| refused(path, &error))?;
         let group = group.map(group_of).transpose()?;
         let folder = path.parent().unwrap_or(Path::new("/"));
-        let Some(name) = path.file_name() else {
+        if path.file_name().is_none() {
             return Err(refused(&path, &io::Error::from(ErrorKind::IsADirectory)));
-        };
+        }
         // Made under another name, with its permissions, and then renamed: nobody can connect before they are right,
         // and there is no instant without a socket.
-        let mut half = std::ffi::OsString::from(".");
-        half.push(name);
-        half.push(format!(".{}", std::process::id()));
-        let half = folder.join(half);
+        let half = folder.join(format!(".rig-{}", std::process::id()));
         for path in [&path, &half] {
-            if path.as_os_str().len() > LONGEST_PATH {
+            if path.as_os_str().len() > LONGEST_SOCKET_PATH {
                 let message =
                     format!("the path of the socket {} is longer than the kernel takes", path.display());
                 let help = "name a shorter `socket` under `[control]`, as in \"/run/scanrig/rig.sock\"";
@@ -159,6 +155,14 @@ fn make(half: &Path, path: &Path, group: Option<Gid>) -> io::Result<(UnixListene
     fs::rename(half, path)?;
     listener.set_nonblocking(true)?;
     Ok((listener, (made.dev(), made.ino())))
+}
+
+/// Whether this machine has a group of this name.
+///
+/// # Errors
+/// It has none, or cannot say.
+pub fn check_group(name: &str) -> Result<(), RequestFault> {
+    group_of(name).map(drop)
 }
 
 fn group_of(name: &str) -> Result<Gid, RequestFault> {
