@@ -24,7 +24,11 @@ impl BenchLockArgs {
     /// # Errors
     /// How the command ends where it cannot have them; why is printed.
     pub fn take(&self, board: &BoardFile, interrupt: &AtomicBool) -> Result<Option<BenchLock>, ExitStatus> {
-        bench_lock::take(board, self.wait, interrupt, &output::note).or_else(|found: Diagnostic| {
+        let taken = bench_lock::take(board, self.wait, interrupt, &output::note);
+        if let Ok(Some(lock)) = &taken {
+            output::findings(&lock.warning().cloned().into_iter().collect::<Vec<_>>(), &[]);
+        }
+        taken.or_else(|found: Diagnostic| {
             let refused = found.is_error();
             if refused && interrupt.load(Ordering::Relaxed) {
                 return Err(ExitStatus::Interrupted);

@@ -101,6 +101,10 @@ pub const NO_BUS: &str = "R0272";
 pub const BENCH_IN_USE: &str = "R0280";
 /// A machine without a place for locks.
 pub const NO_PLACE_FOR_LOCKS: &str = "R0281";
+/// A folder for locks that is no whole path.
+pub const LOCK_FOLDER_NOT_WHOLE: &str = "R0282";
+/// A folder for locks that others rule.
+pub const LOCK_FOLDER_OF_OTHERS: &str = "R0283";
 /// A parameter that an expert function lacks.
 pub const FUNCTION_PARAMETER_MISSING: &str = "R0290";
 /// An expert function that the controller cannot have.
@@ -256,6 +260,8 @@ pub const CODES: &[(&str, &str)] = &[
     (NO_BUS, "A bus that the plan's board does not have"),
     (BENCH_IN_USE, "A bench that somebody else uses"),
     (NO_PLACE_FOR_LOCKS, "A machine without a place for locks"),
+    (LOCK_FOLDER_NOT_WHOLE, "A folder for locks that is no whole path"),
+    (LOCK_FOLDER_OF_OTHERS, "A folder for locks that others rule"),
     (FUNCTION_PARAMETER_MISSING, "A parameter that an expert function lacks"),
     (FUNCTION_NOT_AVAILABLE, "An expert function that the controller cannot have"),
     (FUNCTION_PARAMETER_INVALID, "A parameter that an expert function cannot have"),

@@ -11,9 +11,10 @@ use drivers::{BoardFile, BoardKind};
 use host::lock_bytes;
 use rustix::fs::{Mode, OFlags, chmod};
 use signal::Span;
+use std::ffi::OsString;
 use std::fs::File;
 use std::io;
-use std::os::unix::fs::{FileExt, OpenOptionsExt, PermissionsExt};
+use std::os::unix::fs::{FileExt, MetadataExt, OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -38,6 +39,15 @@ const LOOK: Duration = Duration::from_millis(100);
 pub struct BenchLock {
     /// Open as long as they are locked.
     _files: Vec<File>,
+    /// What is worth knowing of the folder that the locks are in.
+    warning: Option<Diagnostic>,
+}
+
+impl BenchLock {
+    /// What is worth knowing of the locks.
+    pub const fn warning(&self) -> Option<&Diagnostic> {
+        self.warning.as_ref()
+    }
 }
 
 /// A device or a line that somebody else has.
@@ -123,7 +133,8 @@ fn user(users: &str, uid: u32) -> Option<String> {
 /// one, `wait` is how long to wait for them, if at all, and `report` hears once for whom.
 ///
 /// # Errors
-/// Who has them; a warning where this machine has no place for locks, and the bench is used without.
+/// Who has them; a place for locks that is no whole path; a warning where this machine has no place for locks, and the bench
+/// is used without.
 pub fn take(
     board: &BoardFile,
     wait: Option<Span>,
@@ -135,12 +146,16 @@ pub fn take(
     if used.is_empty() {
         return Ok(None);
     }
-    let folder = folder().map_err(|error| without(&error))?;
+    let folder = match named_folder(std::env::var_os(FOLDER))? {
+        Some(named) => folder(&[named]),
+        None => folder(&usual_folders()),
+    };
+    let folder = folder.map_err(|error| without(&error))?;
     let begun = Instant::now();
     let mut waits = false;
     loop {
         let taken = match lock(&folder, &used).map_err(|error| without(&error))? {
-            Ok(lock) => return Ok(Some(lock)),
+            Ok(lock) => return Ok(Some(BenchLock { warning: ruled_by_others(&folder), ..lock })),
             Err(taken) => taken,
         };
         let lasts = wait.map(|wait| Duration::from_nanos(u64::try_from(wait.as_nanos()).unwrap_or(0)));
@@ -177,7 +192,7 @@ fn lock(folder: &Path, used: &[Used]) -> io::Result<Result<BenchLock, TakenResou
         }
         files.push(file);
     }
-    Ok(Ok(BenchLock { _files: files }))
+    Ok(Ok(BenchLock { _files: files, warning: None }))
 }
 
 /// Opens a file that every user may write. One of another user is not created again: the kernel may refuse that in a
@@ -204,28 +219,69 @@ fn open(path: &Path) -> io::Result<File> {
     }
 }
 
-/// The folder that all users of this machine share.
-fn folder() -> io::Result<PathBuf> {
-    let named = std::env::var_os(FOLDER).map(PathBuf::from).filter(|path| path.is_absolute());
+/// The folder that the environment names, if it names one.
+///
+/// # Errors
+/// It is no whole path: two commands that are started in two folders would not meet in it.
+fn named_folder(named: Option<OsString>) -> Result<Option<PathBuf>, Diagnostic> {
+    let Some(named) = named.filter(|named| !named.is_empty()).map(PathBuf::from) else { return Ok(None) };
+    if named.is_absolute() {
+        return Ok(Some(named));
+    }
+    let message = format!("`{FOLDER}` is `{}`, which is no whole path", named.display());
+    let help = format!("write the path from the root, as in {FOLDER}=/run/lock/scanrig, or unset it");
+    Err(Diagnostic::error(codes::LOCK_FOLDER_NOT_WHOLE, message).help(help))
+}
+
+fn usual_folders() -> Vec<PathBuf> {
     let usual = FOLDERS.iter().map(PathBuf::from).chain(Some(std::env::temp_dir()));
-    let candidates: Vec<PathBuf> = match named {
-        Some(named) => vec![named],
-        None => usual.map(|folder| folder.join("scanrig")).collect(),
-    };
+    usual.map(|folder| folder.join("scanrig")).collect()
+}
+
+/// The folder that all users of this machine share: the first that there is or that can be made.
+fn folder(candidates: &[PathBuf]) -> io::Result<PathBuf> {
     let mut last = io::Error::from(io::ErrorKind::NotFound);
     for folder in candidates {
-        match std::fs::create_dir(&folder) {
+        let error = match std::fs::create_dir(folder) {
             Ok(()) => {
                 // Everybody may add files, and nobody take away those of others.
                 let all = Mode::RWXU | Mode::RWXG | Mode::RWXO | Mode::SVTX;
-                let _ = chmod(&folder, all);
-                return Ok(folder);
+                let _ = chmod(folder, all);
+                return Ok(folder.clone());
             }
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => return Ok(folder),
-            Err(error) => last = io::Error::new(error.kind(), format!("{}: {error}", folder.display())),
-        }
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+                // A link may lead another user elsewhere tomorrow.
+                match std::fs::symlink_metadata(folder) {
+                    Ok(found) if found.is_dir() => return Ok(folder.clone()),
+                    Ok(_) => io::Error::from(io::ErrorKind::NotADirectory),
+                    Err(error) => error,
+                }
+            }
+            Err(error) => error,
+        };
+        last = io::Error::new(error.kind(), format!("{}: {error}", folder.display()));
     }
     Err(last)
+}
+
+/// A warning where somebody else can take locks out of the folder, so that two users may have the same bench.
+fn ruled_by_others(folder: &Path) -> Option<Diagnostic> {
+    let found = std::fs::metadata(folder).ok()?;
+    let (owner, mode) = (found.uid(), found.mode());
+    let (sticky, shared) = (Mode::SVTX.bits(), (Mode::WGRP | Mode::WOTH).bits());
+    let why = if owner != 0 && owner != rustix::process::geteuid().as_raw() {
+        let users = std::fs::read_to_string("/etc/passwd").unwrap_or_default();
+        let owner = user(&users, owner).unwrap_or_else(|| format!("user {owner}"));
+        format!("belongs to {owner}, who can remove the locks of others")
+    } else if mode & shared != 0 && mode & sticky == 0 {
+        "lets its users remove the locks of others".into()
+    } else {
+        return None;
+    };
+    let message = format!("the folder for locks `{}` {why}", folder.display());
+    let path = folder.display();
+    let help = format!("make it root's, as with `sudo chown root {path} && sudo chmod 1777 {path}`");
+    Some(Diagnostic::warning(codes::LOCK_FOLDER_OF_OTHERS, message).help(help))
 }
 
 /// Who has what, since when.
@@ -306,6 +362,28 @@ mod tests {
         drop(one);
         assert!(lock(folder.path(), &used(&[3, 7])).unwrap().is_ok());
         drop(beside);
+    }
+
+    #[test]
+    fn a_folder_that_somebody_else_rules_is_reported_and_a_link_is_none() {
+        let place = tempfile::tempdir().unwrap();
+        let shared = place.path().join("shared");
+        assert_eq!(folder(std::slice::from_ref(&shared)).unwrap(), shared);
+        assert_eq!(ruled_by_others(&shared), None);
+        std::fs::set_permissions(&shared, std::fs::Permissions::from_mode(0o777)).unwrap();
+        assert_eq!(ruled_by_others(&shared).unwrap().code, "R0283");
+        let link = place.path().join("link");
+        std::os::unix::fs::symlink(&shared, &link).unwrap();
+        assert_eq!(folder(&[link.clone(), shared.clone()]).unwrap(), shared);
+        assert_eq!(folder(&[link]).unwrap_err().kind(), io::ErrorKind::NotADirectory);
+    }
+
+    #[test]
+    fn a_folder_is_named_by_a_whole_path() {
+        let named = |text: &str| named_folder(Some(text.into()));
+        assert_eq!(named("/run/lock/x"), Ok(Some("/run/lock/x".into())));
+        assert_eq!((named(""), named_folder(None)), (Ok(None), Ok(None)));
+        assert_eq!(named("locks").unwrap_err().code, "R0282");
     }
 
     #[test]
