@@ -132,6 +132,16 @@ fn a_dashboard_that_is_left_leaves_nothing() {
 }
 
 #[test]
+fn the_rig_of_a_demonstration_ends_with_a_dashboard_that_is_killed() {
+    let screen = DashboardTerminal::start();
+    let folder = screen.bench.list("").into_iter().find(|name| name.contains("demonstration")).unwrap();
+    let socket = screen.bench.path(&folder).join("sim.sock");
+    assert!(socket.exists());
+    screen.signal(Signal::SIGKILL);
+    screen.wait_for("the end of the rig", |_| !socket.exists());
+}
+
+#[test]
 fn a_dashboard_that_is_ended_leaves_nothing() {
     for signal in [Signal::SIGTERM, Signal::SIGHUP, Signal::SIGINT] {
         let screen = DashboardTerminal::start();

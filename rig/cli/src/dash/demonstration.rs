@@ -75,7 +75,9 @@ impl Demonstration {
         let mut rig = Command::new(std::env::current_exe()?);
         rig.args(["run", "--board", "sim.toml", "--case", "conveyor", "--booted", "--control"])
             .arg(&self.socket);
-        rig.current_dir(&self.folder).stdin(Stdio::null()).stdout(log.try_clone()?).stderr(log);
+        // Its end of the pipe is closed however this program ends: nobody is left to end the rig where it is killed.
+        rig.arg("--until-input-ends");
+        rig.current_dir(&self.folder).stdin(Stdio::piped()).stdout(log.try_clone()?).stderr(log);
         // What the terminal sends to a program and all that it started is for the dashboard alone.
         self.rig = Some(rig.process_group(0).spawn()?);
         Ok(())

@@ -67,6 +67,9 @@ pub struct RunArgs {
     /// The seed of all random choices.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// End when standard input does: with the program that holds its other end, however that ends.
+    #[arg(long, hide = true)]
+    until_input_ends: bool,
     /// How clients operate it.
     #[command(flatten)]
     control: ControlArgs,
@@ -103,9 +106,17 @@ fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<ExitStatus, 
             handle.stopping();
         }
     };
-    if let Err(error) = ctrlc::set_handler(interrupted) {
+    if let Err(error) = ctrlc::set_handler(interrupted.clone()) {
         output::error(&format!("interrupts cannot be caught: {error}"));
         return Ok(ExitStatus::Error);
+    }
+    if args.until_input_ends {
+        // Not joined: the input may have no end before the rig.
+        std::thread::spawn(move || {
+            // One that cannot be read has ended.
+            let _ = std::io::copy(&mut std::io::stdin(), &mut std::io::sink());
+            interrupted();
+        });
     }
     let lock = match args.wait.take(&board.0, &INTERRUPT) {
         Ok(lock) => lock,
