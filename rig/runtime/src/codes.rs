@@ -279,6 +279,7 @@ pub const CODES: &[(&str, &str)] = &[
     (PROMISE_NOT_KEPT, "A promise to count that was not kept when it was measured"),
     ("R0340", "A service manager that cannot be notified"),
     ("R0341", "A setting of the service manager that is no number"),
+    ("R0342", "A rig that ended by a fault of its own"),
     ("R0501", "A variable that the program does not have"),
     ("R0502", "A value that its variable cannot have"),
     ("R0503", "An assignment that is none"),

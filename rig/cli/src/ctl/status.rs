@@ -78,10 +78,12 @@ fn facts(described: &Description, status: &Status) -> Vec<Vec<String>> {
         row("bus", format!("{}: {}, {got} received, {sent} sent{bad}", known.name, bus.state));
     }
     if described.clock == TimeSource::Real {
-        row(
-            "late",
-            format!("{} at worst, outputs {}", span(status.rig.late_max), span(status.rig.late_outputs)),
-        );
+        // Modelled lines do not say when they changed.
+        let outputs = match status.rig.late_outputs {
+            0 => String::new(),
+            late => format!(", outputs {}", span(late)),
+        };
+        row("late", format!("{} at worst{outputs}", span(status.rig.late_max)));
     }
     row("clients", status.clients.to_string());
     rows

@@ -157,7 +157,7 @@ fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<ExitStatus, 
         serving.end("the rig ends");
     }
     match played {
-        Ok(played) => Ok(end(&played?, &notifier)),
+        Ok(played) => Ok(end(&played?, hardware.is_some(), &notifier)),
         Err(_) => {
             // The panic has printed its words.
             Ok(ExitStatus::Error)
@@ -261,13 +261,18 @@ fn show(events: &Receiver<SoftPlcEvent>, notifier: &ServiceNotifier) {
     }
 }
 
-/// Prints the summary, and returns how the command ends: an interrupt is how a controller that is kept running stops.
-fn end(played: &SoftPlcReport, notifier: &ServiceNotifier) -> ExitStatus {
+/// Prints the summary, and returns how the command ends: an interrupt is how a controller that is kept running stops. How late
+/// outputs were is known of `real` lines alone, which report when they changed.
+fn end(played: &SoftPlcReport, real: bool, notifier: &ServiceNotifier) -> ExitStatus {
     let lasted = seconds(played.report.closed);
     let milliseconds = |span: Span| span.as_nanos() as f64 / 1e6;
-    let (late, outputs) = (milliseconds(played.late), milliseconds(played.report.late_outputs));
+    let late = milliseconds(played.late);
+    let outputs = match real {
+        true => format!(", outputs by {:.3} ms", milliseconds(played.report.late_outputs)),
+        false => String::new(),
+    };
     output::info(&format!(
-        "stopped after {lasted:.3} s, outputs safe; late by {late:.3} ms at worst, outputs by {outputs:.3} ms"
+        "stopped after {lasted:.3} s, outputs safe; late by {late:.3} ms at worst{outputs}"
     ));
     if let Some(wakes) = &played.report.wakes {
         let (half, most) = (wakes.p50_ns as f64 / 1e3, wakes.p99_ns as f64 / 1e3);
@@ -281,7 +286,8 @@ fn end(played: &SoftPlcReport, notifier: &ServiceNotifier) -> ExitStatus {
     }
     match &played.fault {
         Some(fault) => {
-            output::error(fault);
+            let help = "`rig board check` says whether the devices of the board can be had, `dmesg` what became of one";
+            output::findings(&[Diagnostic::error("R0342", fault.as_str()).help(help)], &[]);
             notifier.status(fault);
             ExitStatus::Error
         }
