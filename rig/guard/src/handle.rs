@@ -67,8 +67,14 @@ impl Guard {
         let child = child.map_err(GuardError::Start)?;
         // The command keeps the guard's end of the link open as long as it lives.
         drop(program);
-        let exit = i32::try_from(child.id()).ok().and_then(Pid::from_raw);
-        let exit = pidfd_open(exit.ok_or(Errno::SRCH)?, PidfdFlags::empty())?;
+        let exit = i32::try_from(child.id()).ok().and_then(Pid::from_raw).ok_or(Errno::SRCH);
+        let exit = match exit.and_then(|process| pidfd_open(process, PidfdFlags::empty())) {
+            Ok(exit) => exit,
+            Err(error) => {
+                end(child);
+                return Err(error.into());
+            }
+        };
         let mut inner = Inner { link, child, exit, unstoppable: None, closed: false, gone: false };
         let (path, after, bite) = match &settings.watchdog {
             Some(dog) => (dog.path.to_string_lossy(), dog.after, dog.bite),
@@ -81,7 +87,14 @@ impl Guard {
             i64::from(bite == Bite::RigLost),
         ];
         let hello = GuardMessage::new(Tag::Hello, numbers).with(&path);
-        let answer = inner.ask(&hello, &[memory.as_fd(), this.as_fd()], START)?;
+        let answer = match inner.ask(&hello, &[memory.as_fd(), this.as_fd()], START) {
+            Ok(answer) => answer,
+            Err(error) => {
+                // It holds no lines yet, and nobody would end it later.
+                end(inner.child);
+                return Err(error);
+            }
+        };
         if answer.tag != Tag::Done {
             inner.reap();
             let number = i32::try_from(answer.numbers[0]).unwrap_or_default();
@@ -317,6 +330,13 @@ impl Inner {
     }
 }
 
+/// Ends a guard that has not started.
+fn end(mut child: Child) {
+    // One that has ended already cannot be killed, which is as well; a killed one ends as soon as the kernel lets it.
+    let _ = child.kill();
+    let _ = child.wait();
+}
+
 /// Waits until there is something to read or the time is over.
 fn is_ready(descriptor: BorrowedFd, patience: Span) -> bool {
     let until = HostInstant::now() + patience;
@@ -327,5 +347,23 @@ fn is_ready(descriptor: BorrowedFd, patience: Span) -> bool {
             Err(Errno::INTR) => {}
             ready => return ready.is_ok_and(|count| count > 0),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_guard_that_gives_no_answer_when_it_starts_is_ended() {
+        let number = std::env::temp_dir().join(format!("scanrig-no-guard-{}", std::process::id()));
+        let mut program = Command::new("sh");
+        // It closes the link and stays.
+        program.args(["-c", "echo $$ > \"$0\"; exec 0<&-; exec sleep 1000"]).arg(&number);
+        let refused = Guard::spawn_as(program, &GuardSettings::default()).map(drop);
+        assert!(matches!(refused, Err(GuardError::Gone)), "{refused:?}");
+        let process = std::fs::read_to_string(&number).expect("it began");
+        std::fs::remove_file(number).expect("its number");
+        assert!(!std::path::Path::new("/proc").join(process.trim()).exists(), "it is still there");
     }
 }
