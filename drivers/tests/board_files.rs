@@ -226,8 +226,13 @@ fn ports_are_bound_to_buses() {
 fn the_guard_is_read() {
     let text = "format = 1\n[guard]\nlimit = \"50 ms\"\nwatchdog = \"/dev/watchdog1\"\nbite = \"rig-lost\"\n";
     let file = read(&SourceFile::new("b.toml", text), &terminals).unwrap();
-    let watchdog =
-        WatchdogSettings { path: "/dev/watchdog1".into(), after: Span::from_secs(10), bite: Bite::RigLost };
+    let place = text.find("\"/dev").map_or(0..0, |at| at..at + "\"/dev/watchdog1\"".len());
+    let watchdog = WatchdogSettings {
+        path: "/dev/watchdog1".into(),
+        after: Span::from_secs(10),
+        bite: Bite::RigLost,
+        place,
+    };
     assert_eq!(
         file.guard,
         GuardSettings { limit: Span::from_millis(50), watchdog: Some(watchdog), ..GuardSettings::default() }

@@ -1,5 +1,6 @@
 //! What a board file says of the guard: `[guard]`.
 
+use std::ops::Range;
 use std::path::PathBuf;
 
 use document::{Fields, Findings};
@@ -26,6 +27,8 @@ pub struct WatchdogSettings {
     pub after: Span,
     /// When it is left to bite.
     pub bite: Bite,
+    /// Where the board file names it, bytes of the file.
+    pub place: Range<usize>,
 }
 
 /// How the guard keeps the outputs.
@@ -89,7 +92,8 @@ pub(super) fn read(fields: Option<Fields>, out: &mut Findings) -> GuardSettings 
         _ => Bite::GuardLost,
     };
     let after = after.unwrap_or(Span::from_secs(10));
-    settings.watchdog = Some(WatchdogSettings { path: path.into(), after, bite });
+    let place = fields.get("watchdog").map_or(0..0, |node| node.span.clone());
+    settings.watchdog = Some(WatchdogSettings { path: path.into(), after, bite, place });
     settings
 }
 

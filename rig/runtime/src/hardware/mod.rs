@@ -99,8 +99,11 @@ impl Hardware {
             return Ok(None);
         }
         let refused = |error: GuardError| {
+            let of_watchdog = matches!(error, GuardError::Watchdog { .. } | GuardError::NeverStops { .. });
+            let watchdog = file.guard.watchdog.as_ref().filter(|_| of_watchdog);
+            let place = watchdog.map_or(0..0, |watchdog| watchdog.place.clone());
             let found = Diagnostic::error(error.code(), error.to_string());
-            vec![found.at(&file.name, 0..0, "").help(error.help())]
+            vec![found.at(&file.name, place, "").help(error.help())]
         };
         // First of all: there are no threads yet, and no memory is locked.
         let guard = Arc::new(Guard::spawn(&file.guard).map_err(refused)?);

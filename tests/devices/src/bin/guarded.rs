@@ -117,7 +117,12 @@ fn main() {
     let watchdog = dog.split_once(',').map(|(path, rest)| {
         let (after, bite) = rest.split_once(',').unwrap();
         let bite = if bite == "rig-lost" { Bite::RigLost } else { Bite::GuardLost };
-        WatchdogSettings { path: path.into(), after: Span::from_secs(after.parse().unwrap()), bite }
+        WatchdogSettings {
+            path: path.into(),
+            after: Span::from_secs(after.parse().unwrap()),
+            bite,
+            place: 0..0,
+        }
     });
     let settings = GuardSettings { limit: millis(limit), hold: millis(hold), watchdog };
     let mut rig = Command::new(program("rig"));
