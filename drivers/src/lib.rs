@@ -16,6 +16,7 @@ mod context;
 pub mod counter;
 pub mod counting;
 mod device_board;
+mod device_file;
 mod device_limits;
 mod event;
 mod event_collector;

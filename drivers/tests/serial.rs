@@ -209,6 +209,37 @@ fn what_is_held_or_is_no_port_is_refused() {
 }
 
 #[test]
+fn a_claim_that_a_killed_program_left_on_a_pseudo_terminal_is_not_taken_for_a_holder() {
+    if !rustix::process::geteuid().is_root() {
+        eprintln!("skipped: the kernel keeps all but root from such a pseudo-terminal");
+        return;
+    }
+    let (_far, near) = pair();
+    let runtime = runtime();
+    let _inside = runtime.enter();
+    // Its file is closed, as the kernel closes those of a killed program, and the flag stays.
+    let killed = File::options().read(true).write(true).open(&near).unwrap();
+    rustix::termios::ioctl_tiocexcl(&killed).unwrap();
+    assert_eq!(SerialPort::open(&spec(near.clone())).unwrap_err(), OpenError::Busy(near.clone()));
+    drop(killed);
+    SerialPort::open(&spec(near)).unwrap();
+}
+
+#[test]
+fn a_look_does_not_take_a_file_for_a_port() {
+    let file = std::env::temp_dir().join(format!("scanrig-no-port-{}", std::process::id()));
+    std::fs::write(&file, "").unwrap();
+    for path in ["/dev/null", file.to_str().unwrap()] {
+        let board = board_on(path.as_ref(), "");
+        let BoardKind::Real(spec) = &board.kind else { panic!("a real board") };
+        let look = scanrig_drivers::real::look(&board.channel_table(), spec);
+        let codes: Vec<&str> = look.found.iter().map(|found| found.code).collect();
+        assert_eq!(codes, ["B0147"], "{path}");
+    }
+    std::fs::remove_file(file).unwrap();
+}
+
+#[test]
 fn what_a_port_cannot_do_is_said_by_its_key() {
     let (_far, near) = pair();
     let runtime = runtime();

@@ -11,6 +11,7 @@ use crate::bus::Bus;
 use crate::channel::ChannelId;
 use crate::channel_table::ChannelTable;
 use crate::context::BoardContext;
+use crate::device_file::device_file;
 use crate::device_limits::DeviceLimits;
 use crate::real::{DeviceSpec, Look, Used};
 
@@ -57,6 +58,9 @@ fn port(line: &SerialSpec) -> Result<String, OpenError> {
     let path = &line.port.path;
     access(path, Access::READ_OK | Access::WRITE_OK)
         .map_err(|errno| OpenError::Call(SerialError::new(path, SerialCall::Open, &errno.into())))?;
+    if !device_file(path).may_be("tty") {
+        return Err(OpenError::NoPort(path.clone()));
+    }
     if line.port.exclusive && !crate::holder::holders(path).is_empty() {
         return Err(OpenError::Busy(path.clone()));
     }

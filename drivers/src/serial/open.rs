@@ -1,7 +1,7 @@
 //! Opening a serial port and setting it up as asked, or saying why not.
 
 use signal::{Parity, SerialSettings};
-use std::fs::{File, OpenOptions};
+use std::fs::{self, File, OpenOptions};
 use std::io;
 use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
@@ -142,6 +142,10 @@ pub(crate) fn refused(error: &OpenError) -> Refusal {
             let message = format!("{} is held by {}", path.display(), words(&by, "somebody else"));
             let help = match own {
                 true => "that is this rig: another line of the board is on the same port",
+                false if by.is_empty() && path.starts_with("/dev/pts") => {
+                    "a program that was killed leaves its claim on a pseudo-terminal: make the pair again, as by \
+                     starting `socat` again"
+                }
                 false => {
                     "end that program, or take another port; a console on it ends with \
                      `sudo systemctl stop serial-getty@ttyS0`"
@@ -187,7 +191,7 @@ pub(super) struct Opened {
 pub(super) fn open(spec: &PortSpec) -> Result<Opened, OpenError> {
     let path = &spec.path;
     let control = look(path, spec.exclusive)?;
-    let pseudo = control.metadata().is_ok_and(|about| PSEUDO.contains(&major(about.rdev())));
+    let pseudo = is_pseudo(&control);
     let name = path.to_str().ok_or_else(|| SerialError::of(path, SerialCall::Open, Errno::INVAL))?;
     let builder = tokio_serial::new(name, spec.line.baud)
         .data_bits(match spec.line.data_bits {
@@ -228,6 +232,8 @@ fn look(path: &Path, exclusive: bool) -> Result<File, OpenError> {
     // A superuser may open what is another's alone.
     match is_exclusive(&port) {
         Ok(false) => {}
+        // The flag of a pseudo-terminal outlives a killed program as long as its other end is open.
+        Ok(true) if is_pseudo(&port) && !is_open_elsewhere(path, &port) => {}
         Ok(true) => return Err(OpenError::Busy(path.to_owned())),
         Err(error) if error.raw_os_error() == Some(Errno::NOTTY.raw_os_error()) => {
             return Err(OpenError::NoPort(path.to_owned()));
@@ -250,6 +256,20 @@ fn look(path: &Path, exclusive: bool) -> Result<File, OpenError> {
         return Err(OpenError::Busy(path.to_owned()));
     }
     Ok(port)
+}
+
+/// Whether a port is a pseudo-terminal.
+fn is_pseudo(port: &File) -> bool {
+    port.metadata().is_ok_and(|about| PSEUDO.contains(&major(about.rdev())))
+}
+
+/// Whether anybody else has this port open: another process, as far as this user may see, or another file of this one.
+fn is_open_elsewhere(path: &Path, port: &File) -> bool {
+    let Ok(about) = port.metadata() else { return true };
+    let files = fs::read_dir("/proc/self/fd").into_iter().flatten().flatten();
+    let same =
+        |file: &fs::DirEntry| fs::metadata(file.path()).is_ok_and(|other| other.rdev() == about.rdev());
+    files.filter(same).count() > 1 || !holders(path).is_empty()
 }
 
 /// The kernel marks breaks and damaged bytes among the others, whatever the parity.

@@ -15,6 +15,7 @@ use super::codec::{Bytes, FRAME};
 use super::sweep::{Sweep, answered};
 use super::{Chosen, SpiSpec, choose};
 use crate::codes;
+use crate::device_file::device_file;
 use crate::holder::{all_holders, words};
 use crate::refusal::Refusal;
 
@@ -93,6 +94,13 @@ pub fn open(converter: &AdcSpec, spec: &SpiSpec, inputs: &[SampleSpec]) -> Resul
 
 /// The device, for the rig alone.
 pub(crate) fn claim(path: &Path) -> Result<Spidev, Refusal> {
+    let no_device = || {
+        let help = "`ls /dev/spidev*` shows what is there; it needs SPI switched on and a `spidev` node for the chip";
+        Refusal::new(codes::CONVERTER_MISSING, format!("{} is no SPI device", path.display()), help)
+    };
+    if path.exists() && !device_file(path).may_be("spidev") {
+        return Err(no_device());
+    }
     let file = OpenOptions::new().read(true).write(true).open(path).map_err(|error| {
         let help = match error.kind() {
             io::ErrorKind::PermissionDenied => "become a member of the group that may use it, often `spi`",
@@ -112,7 +120,10 @@ pub(crate) fn claim(path: &Path) -> Result<Spidev, Refusal> {
         let help = "end that run first: `fuser` names who has the device open";
         return Err(Refusal::new(codes::CONVERTER_BUSY, message, help));
     }
-    Ok(Spidev::new(file))
+    let spi = Spidev::new(file);
+    // Only a device of this kind answers.
+    spi.query_configuration().map_err(|_| no_device())?;
+    Ok(spi)
 }
 
 /// Mode, speed and bits as the file wants them, seen to be so. On failure what was not taken.
