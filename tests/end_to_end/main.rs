@@ -12,6 +12,7 @@ mod ctl;
 mod dashboard;
 mod diff;
 mod doctor;
+mod end_of_rig;
 mod event_log;
 mod exceptions;
 mod expectations;
