@@ -1,0 +1,234 @@
+"""What each verb of `expect` claims, said of one placement: docs/plans/expectations.md.
+
+Each function answers True, False, or None where the manual does not say. Those of pulses and motion are in trains.py.
+"""
+
+from fractions import Fraction
+
+from placement import LAST, Track
+
+START, END = ("start", 0), ("end", 0)
+
+
+def window(keys, placement):
+    return placement.at(keys.get("from", START)), placement.at(keys.get("until", END))
+
+
+def in_time(keys, placement, times):
+    """The first of these times, all at or after `from`, is within its limits."""
+    if not times:
+        return False
+    since = placement.at(keys.get("from", START))[0]
+    return "within" not in keys or keys["within"].allow(times[0] - since)
+
+
+def first_edge(kind):
+    def holds(keys, placement):
+        begin = placement.at(keys.get("from", START))
+        return in_time(keys, placement, placement.edges(keys["signal"], kind, begin, placement.at(END)))
+    return holds
+
+
+def becomes(keys, placement):
+    begin = placement.at(keys.get("from", START))
+    wanted = keys["wanted"]
+    entered = [time for time, before, after in placement.tracks[keys["signal"]].changes(begin, placement.at(END))
+               if wanted.has(after) and not wanted.has(before)]
+    return in_time(keys, placement, entered)
+
+
+def merged(stretches):
+    """Stretches that follow one another without a gap, put together."""
+    found = []
+    for since, to in stretches:
+        if found and found[-1][1] == since:
+            found[-1] = (found[-1][0], to)
+        else:
+            found.append((since, to))
+    return found
+
+
+def free_of(keys, placement, is_bad):
+    """No stretch of the window is bad, or none that is longer than `pulses-longer-than`."""
+    (begin, _), (end, _) = window(keys, placement)
+    track = placement.tracks[keys["signal"]]
+    shortest = keys.get("pulses-longer-than", 0)
+    inside = merged((since, to) for since, to, value in track.stretches(begin, end) if is_bad(value))
+    whole = merged((since, to) for since, to, value in track.stretches(-LAST, LAST) if value is not None and is_bad(value))
+    clipped = not any(to - since > shortest for since, to in inside)
+    full = not any(to - since > shortest for since, to in whole if since < end and to > begin)
+    # Whether a pulse counts by its whole length or by the part in the window is not said.
+    return full if full == clipped else None
+
+
+def stays(keys, placement):
+    return free_of(keys, placement, lambda value: not keys["wanted"].has(value))
+
+
+def never(keys, placement):
+    if "signals" in keys:
+        return not_together(keys, placement)
+    return free_of(keys, placement, keys["wanted"].has)
+
+
+def not_together(keys, placement):
+    """At no time of the window are so many of these signals TRUE: all of them, or two."""
+    (begin, _), (end, _) = window(keys, placement)
+    tracks = [placement.tracks[name] for name in keys["signals"]]
+    shortest = keys.get("pulses-longer-than", 0)
+
+    def together(since, tracks):
+        cuts = sorted({since} | {time for track in tracks for time, _ in track.at if since < time < end}) + [end]
+        limit = len(tracks) if keys["how"] == "all" else 2
+        return merged((one, other) for one, other in zip(cuts, cuts[1:])
+                      if sum(track.value((one, LAST)) is True for track in tracks) >= limit)
+    # Whether the time counts in which they are TRUE together, or each of their pulses, is not said.
+    whole = not any(to - since > shortest for since, to in together(begin, tracks))
+    if not shortest:
+        return whole
+    each = not together(begin, [long_pulses(track, shortest) for track in tracks])
+    return whole if whole == each else None
+
+
+def long_pulses(track, shortest):
+    """The line without the times for which it is TRUE no longer than this."""
+    kept = Track([])
+    for index, (at, value) in enumerate(zip(track.at, track.values)):
+        following = track.at[index + 1][0] if index + 1 < len(track.at) else LAST
+        kept.at.append(at)
+        kept.values.append(value is True and following - at[0] > shortest)
+    return kept
+
+
+def edges(keys, placement):
+    begin, end = window(keys, placement)
+    return all(keys[key].allow(len(placement.edges(keys["signal"], kind, begin, end)))
+               for key, kind in (("rising", "rises"), ("falling", "falls")) if key in keys)
+
+
+def settles(keys, placement):
+    begin, end = window(keys, placement)
+    band = keys["wanted"].limits
+    track = placement.tracks[keys["signal"]]
+    settled = all(band.allow(value) for _, _, value in track.stretches(begin[0] + keys["settle"], end[0]))
+    if "overshoot" not in keys:
+        return settled
+    middle = Fraction(band.low + band.high, 2)
+    before = track.value(placement.reading(keys.get("from", START)))
+    step = middle - before
+    if step == 0:
+        return False if not settled else None
+    allowed, relative = keys["overshoot"]
+    if relative:
+        allowed = abs(step) * allowed
+    beyond = [(value - middle) * (1 if step > 0 else -1) for _, _, value in track.stretches(begin[0], end[0])]
+    within = [(value - middle) * (1 if step > 0 else -1) for _, _, value in track.stretches(begin[0], begin[0] + keys["settle"])]
+    # Whether what keeps to the band later can be an overshoot is not said.
+    whole, early = max(beyond, default=0) <= allowed, max(within, default=0) <= allowed
+    if not settled:
+        return False
+    return whole if whole == early else None
+
+
+def follows(keys, placement):
+    (begin, _), (end, _) = window(keys, placement)
+
+    def apart(since):
+        """The lengths of the stretches in which they are apart, from an instant to the end of the window."""
+        tracks = placement.tracks[keys["signal"]], placement.tracks[keys["leader"]]
+        cuts = sorted({since} | {time for track in tracks for time, _ in track.at if since < time < end}) + [end]
+        found = []
+        for one, other in zip(cuts, cuts[1:]):
+            left, right = (track.value((one, LAST)) for track in tracks)
+            if left is not None and right is not None and distance(left, right) > keys.get("tolerance", 0):
+                found.append((one, other))
+        return merged(found)
+    longest_allowed = keys.get("longest", 0)
+    inside = all(to - since <= longest_allowed for since, to in apart(begin))
+    whole = all(to - since <= longest_allowed for since, to in apart(-LAST) if to > begin)
+    # Whether a stretch counts from before the window on is not said.
+    return inside if inside == whole else None
+
+
+def distance(left, right):
+    if isinstance(left, bool) or isinstance(left, str):
+        return int(left != right)
+    return abs(left - right)
+
+
+def value(keys, placement):
+    seen = placement.tracks[keys["of"]].value(placement.reading(keys.get("when", END)))
+    if "near" in keys:
+        return distance(seen, keys["near"]) <= keys["tolerance"]
+    return keys["wanted"].has(seen)
+
+
+def equal(keys, placement):
+    left, right = (placement.tracks[keys[side]].value(placement.reading(keys.get(side + "-at", keys.get("when", END))))
+                   for side in ("left", "right"))
+    return distance(left, right) <= keys.get("tolerance", 0)
+
+
+def order(keys, placement):
+    begin, end = placement.at(keys.get("from", START)), placement.at(END)
+    firsts = []
+    for name, kind in keys["edges"]:
+        track = placement.tracks[name]
+        found = [position for position, (_, before, after) in
+                 zip([at for at in track.at if begin <= at < end], track.changes(begin, end)) if is_kind(kind, before, after)]
+        if not found:
+            return False
+        firsts.append(found[0])
+    if len(set(firsts)) < len(firsts):
+        # Whether one edge is before itself is not said.
+        return None
+    return all(one < other for one, other in zip(firsts, firsts[1:]))
+
+
+def is_kind(kind, before, after):
+    return before != after if kind == "changes" else after and not before if kind == "rises" else before and not after
+
+
+def happens(keys, placement):
+    """An awaited step came, and in time: a placement has the steps that came."""
+    if keys["step"] not in placement.steps:
+        return False
+    return in_time(keys, placement, [placement.steps[keys["step"]][0]])
+
+
+def state(keys, placement):
+    how = keys["how"]
+    return {"is": value, "becomes": becomes, "stays": stays}[how](dict(keys, of=keys["signal"]), placement)
+
+
+def log(keys, placement):
+    begin, end = window(keys, placement)
+    added = placement.edges(keys["signal"], "changes", begin, end)
+    return not added if keys["how"] == "never" else in_time(keys, placement, added)
+
+
+def task(keys, placement):
+    if "when" in keys:
+        return value(dict(keys, of=keys["signal"]), placement)
+    return stays(keys, placement)
+
+
+def frames(keys, placement):
+    begin, end = window(keys, placement)
+    times = placement.edges(keys["signal"], "changes", begin, end)
+    if "count" in keys and not keys["count"].allow(len(times)):
+        return False
+    if "cycle" in keys:
+        if len(times) < 2 or not all(keys["cycle"].allow(to - since) for since, to in zip(times, times[1:])):
+            return False
+    if "gap" in keys:
+        marks = [begin[0], *times, end[0]]
+        if any(to - since > keys["gap"] for since, to in zip(marks, marks[1:])):
+            return False
+    return True
+
+
+VERBS = {"rises": first_edge("rises"), "falls": first_edge("falls"), "changes": first_edge("changes"), "becomes": becomes,
+         "stays": stays, "never": never, "edges": edges, "settles": settles, "follows": follows, "state": state,
+         "led": state, "log": log, "task": task, "value": value, "equal": equal, "order": order, "happens": happens,
+         "frames": frames}
