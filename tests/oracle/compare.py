@@ -1,0 +1,189 @@
+"""What the rig answers, held against what the placements of a recording come to.
+
+A pass is contradicted by one placement that breaks the claim, a failure by one that fulfils it. A claim that is inconclusive
+though all placements agree is a weakness and no contradiction. Stated figures have to hold what every placement has, margins to
+be those of the worst one.
+"""
+
+from fractions import Fraction
+
+import trains
+from figures import Limits
+from placement import NeverCame
+from scenes import COARSE
+from trains import MEASURES, MISSING, VERBS, Rooted
+from verbs import END, START
+
+# What looks at an instant alone: a pulse between two samples is not what it asks for.
+AT_INSTANTS = {"value", "equal", "speed", "state", "led", "task", "happens"}
+
+
+class Expected:
+    """What placements come to: the answers of a claim, the figures of a measurement."""
+
+    def __init__(self):
+        self.answers, self.unseen = set(), set()
+        self.figures = []
+        self.margins = []
+        self.examples = {}
+        self.never_came = False
+        self.unknown = False
+
+
+def expected(claim, recording, rng, count):
+    """What the placements of a recording make of a claim."""
+    found = Expected()
+    names = names_of(claim, recording)
+    found.unknown = recording.unknown(names) or bool(COARSE.keys() & set(names))
+    try:
+        for placement in recording.placements(rng, names, marks(claim, recording), count):
+            note(found, found.answers, claim, placement, recording.awaited)
+        if recording.samples is not None and claim.verb not in AT_INSTANTS:
+            for placement in recording.placements(rng, names, marks(claim, recording), count,
+                                               claim.keys.get("pulses-longer-than", 0)):
+                note(found, found.unseen, claim, placement, recording.awaited, False)
+    except NeverCame:
+        found.never_came = True
+    return found
+
+
+def names_of(claim, recording):
+    """The signals that a claim looks at, and those that the steps wait for from which it counts."""
+    bases = {value[0] for value in claim.keys.values() if isinstance(value, tuple)} | {claim.keys.get("step")}
+    return sorted({*claim.names, *(recording.awaited[step][0] for step in recording.awaited if step in bases)})
+
+
+def empty(keys, placement):
+    """A window without time in it: the manual does not say what holds of it."""
+    return placement.at(keys.get("from", START))[0] >= placement.at(keys.get("until", END))[0]
+
+
+def note(found, answers, claim, placement, awaited, seen=True):
+    if any(value[0] in awaited and value[0] not in placement.steps for value in claim.keys.values() if isinstance(value, tuple)):
+        # Whether the step came is left open: a claim that counts from it is, too.
+        answers.add(None)
+        found.margins.append(None)
+        return
+    if empty(claim.keys, placement):
+        answers.add(None)
+        found.margins.append(None)
+        return
+    if claim.group == "expect":
+        answer = VERBS[claim.verb](claim.keys, placement)
+    else:
+        figure = MEASURES[claim.verb](claim.keys, placement)
+        limits = claim.keys.get("limits")
+        if figure is None:
+            answer = None
+        elif figure == MISSING:
+            answer = False
+        else:
+            if seen:
+                found.figures.append(figure)
+            answer = None if limits is None else limits.allow(figure)
+    answers.add(answer)
+    found.examples.setdefault(answer, placement)
+    if seen:
+        found.margins.append(margin(claim, placement))
+
+
+def margin(claim, placement):
+    """The distance from the nearest limit, where the manual says what it is; else None."""
+    keys = claim.keys
+    if claim.group == "measure":
+        figure = MEASURES[claim.verb](keys, placement)
+        return Limits.margin(keys["limits"], figure) if "limits" in keys and isinstance(figure, (int, Fraction)) else None
+    if claim.verb in ("rises", "falls", "changes") and "within" in keys:
+        begin = placement.at(keys.get("from", START))
+        times = placement.edges(keys["signal"], claim.verb, begin, placement.at(END))
+        if not times:
+            return None
+        limits = keys["within"]
+        return (limits if not limits.at_most else Limits(None, limits.high)).margin(times[0] - begin[0])
+    if claim.verb == "value" and "wanted" in keys and keys["wanted"].limits is not None:
+        return keys["wanted"].limits.margin(placement.tracks[keys["of"]].value(placement.reading(keys.get("when", END))))
+    if claim.verb == "equal":
+        left, right = (placement.tracks[keys[side]].value(placement.reading(keys.get(side + "-at", keys.get("when", END))))
+                       for side in ("left", "right"))
+        return None if isinstance(left, bool) else keys.get("tolerance", 0) - abs(left - right)
+    figure = {"frequency": trains.frequency, "duty": trains.duty, "speed": trains.speed, "position": trains.position,
+              "jitter": trains.jitter}.get(claim.verb)
+    if figure and "pulses-longer-than" not in keys:
+        found = figure(keys, placement)
+        return keys["is"].margin(found) if isinstance(found, (int, Fraction)) else None
+    return None
+
+
+def marks(claim, recording):
+    """Instants at which the claim may be decided."""
+    found = set()
+    keys = claim.keys
+    for key in ("from", "until", "when", "to"):
+        base, distance = keys.get(key, START if key == "from" else END)
+        if base not in recording.steps:
+            continue
+        at = recording.steps[base][0] + distance
+        found |= {at, at - 1, at + 1}
+        if key == "from" and "within" in keys:
+            for limit in (keys["within"].low, keys["within"].high):
+                if limit is not None:
+                    found |= {at + int(limit), at + int(limit) + 1, at + int(limit) - 1}
+    return sorted(found)
+
+
+def differences(claim, answer, found):
+    """Each contradiction as a kind and words; `weak` where nothing is open but the verdict."""
+    verdict = answer.verdict
+    if verdict == "error":
+        return [("error", answer.reason)]
+    if found.never_came:
+        if verdict in ("pass", "fail"):
+            return [(f"{verdict} without its instant", "an instant that it counts from never came")]
+        return []
+    seen, unseen = found.answers, found.unseen
+    result = []
+    if verdict == "pass" and False in seen:
+        result.append(("pass, may be broken", "a placement that the recording allows breaks it"))
+    elif verdict == "pass" and False in unseen:
+        result.append(("pass, unseen", "what happened between two samples may break it"))
+    if verdict == "fail" and True in seen:
+        result.append(("fail, may hold", "a placement that the recording allows fulfils it"))
+    if verdict == "none" and "limits" in claim.keys:
+        result.append(("no verdict", "it has limits"))
+    if verdict == "inconclusive" and len(seen | unseen) == 1 and None not in seen and not COARSE.keys() & set(claim.names):
+        result.append(("weak", f"all placements answer {next(iter(seen))}"))
+    # Of a signal that is not known for a while a figure is stated as seen, with no verdict.
+    if answer.value and found.figures and not (found.unknown and verdict == "inconclusive"):
+        result += of_figure(claim, answer, found)
+    if answer.margin is not None and not found.unknown and found.margins and None not in found.margins and verdict != "inconclusive":
+        worst = float(min(found.margins))
+        stated = float(answer.margin)
+        off = 1e-9 * max(abs(worst), 1) + 1e-12 * scale(claim)
+        if stated > worst + off or len(found.margins) == 1 and abs(stated - worst) > off:
+            result.append(("margin", f"stated {stated!r}, the worst placement has {worst!r}"))
+    return result
+
+
+def scale(claim):
+    """How large the limits are of a claim on a figure that is worked out: what its margin may be rounded by."""
+    if claim.verb not in ("frequency", "duty", "jitter", "speed", "window"):
+        return 0
+    limits = claim.keys.get("is") or claim.keys.get("limits")
+    return float(max((abs(end) for end in (limits.low, limits.high) if end is not None), default=0)) if limits else 0
+
+
+def of_figure(claim, answer, found):
+    """The stated interval has to hold the figure of every placement."""
+    low, high = answer.value
+    for figure in found.figures:
+        if isinstance(figure, Rooted):
+            real = float(figure)
+            if not float(low) * (1 - 1e-9) - 1e-6 <= real <= float(high) * (1 + 1e-9) + 1e-6:
+                return [("figure", f"stated {float(low)!r} .. {float(high)!r}, a placement has {real!r}")]
+            continue
+        figure = Fraction(figure)
+        # A figure that is worked out may be rounded where the record writes it; a value that was read may not.
+        off = 0 if claim.verb == "value" else abs(figure) * Fraction(1, 10 ** 12) + Fraction(1, 10 ** 9)
+        if not low - off <= figure <= high + off:
+            return [("figure", f"stated {low} .. {high}, a placement has {figure}")]
+    return []
