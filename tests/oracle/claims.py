@@ -159,6 +159,8 @@ class Maker(Measurements):
         return Claim("expect", "follows", keys, written, [one, other])
 
     def expect_value(self):
+        if self.rng.random() < 0.2:
+            return self.near_another()
         name = self.pick(BOOLS + NUMBERS)
         keys, written = {"of": name}, {"of": quoted(name)}
         kind = self.scene.types()[name]
@@ -181,6 +183,16 @@ class Maker(Measurements):
             self.wanted(name, keys, written)
         self.when(keys, written)
         return Claim("expect", "value", keys, written, [name])
+
+    def near_another(self):
+        """A value near that of another signal, at an instant of its own."""
+        one, other = self.rng.choice([pair for pair in (("p", "q"), ("p", "p"), ("count", "copy"), ("v_int", "v_int"))
+                                      if self.only is None or set(pair) <= set(self.only)])
+        keys = {"of": one, "near": other, "near-at": self.base(), "tolerance": Fraction(0)}
+        written = {"of": quoted(one), "near": quoted(f"{other} @ {instant(keys['near-at'])[1:-1]}")}
+        self.tolerance(one, other, keys, written)
+        self.when(keys, written)
+        return Claim("expect", "value", keys, written, [one, other])
 
     def expect_equal(self):
         one, other = self.pair()

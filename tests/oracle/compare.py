@@ -12,7 +12,7 @@ from figures import Limits
 from placement import NeverCame
 from scenes import COARSE
 from trains import MEASURES, MISSING, VERBS, Rooted
-from verbs import END, START
+from verbs import END, START, window
 
 # What looks at an instant alone: a pulse between two samples is not what it asks for.
 AT_INSTANTS = {"value", "equal", "speed", "state", "led", "task", "happens"}
@@ -93,13 +93,19 @@ def margin(claim, placement):
     if claim.group == "measure":
         figure = MEASURES[claim.verb](keys, placement)
         return Limits.margin(keys["limits"], figure) if "limits" in keys and isinstance(figure, (int, Fraction)) else None
-    if claim.verb in ("rises", "falls", "changes") and "within" in keys:
-        begin = placement.at(keys.get("from", START))
-        times = placement.edges(keys["signal"], claim.verb, begin, placement.at(END))
-        if not times:
-            return None
-        limits = keys["within"]
-        return (limits if not limits.at_most else Limits(None, limits.high)).margin(times[0] - begin[0])
+    times = first_times(claim, placement)
+    if times is not None:
+        # What has to come at most so late has one limit: the beginning is none.
+        limits = keys["within"] if keys["within"].low else Limits(None, keys["within"].high)
+        return limits.margin(times[0] - placement.at(keys.get("from", START))[0]) if times else None
+    if claim.verb == "period" and "pulses-longer-than" not in keys:
+        lengths = trains.periods(keys, placement)
+        return min((keys["is"].margin(length) for length in lengths), default=None)
+    if claim.verb in ("stays", "task") and "wanted" in keys and keys["wanted"].limits is not None and \
+            "when" not in keys and "pulses-longer-than" not in keys:
+        (begin, _), (end, _) = window(keys, placement)
+        return min(keys["wanted"].limits.margin(value) for _, _, value in
+                   placement.tracks[keys["signal"]].stretches(begin, end))
     if claim.verb == "value" and "wanted" in keys and keys["wanted"].limits is not None:
         return keys["wanted"].limits.margin(placement.tracks[keys["of"]].value(placement.reading(keys.get("when", END))))
     if claim.verb == "equal":
@@ -111,6 +117,24 @@ def margin(claim, placement):
     if figure and "pulses-longer-than" not in keys:
         found = figure(keys, placement)
         return keys["is"].margin(found) if isinstance(found, (int, Fraction)) else None
+    return None
+
+
+def first_times(claim, placement):
+    """When what a claim waits for comes, if it has limits for that; else None."""
+    keys = claim.keys
+    if "within" not in keys or "pulses-longer-than" in keys:
+        return None
+    begin, end = placement.at(keys.get("from", START)), placement.at(END)
+    if claim.verb in ("rises", "falls", "changes"):
+        return placement.edges(keys["signal"], claim.verb, begin, end)
+    if claim.verb == "becomes" or keys.get("how") == "becomes":
+        return [time for time, before, after in placement.tracks[keys["signal"]].changes(begin, end)
+                if keys["wanted"].has(after) and not keys["wanted"].has(before)]
+    if claim.verb == "log":
+        return placement.edges(keys["signal"], "changes", begin, end)
+    if claim.verb == "happens" and keys["step"] in placement.steps:
+        return [placement.steps[keys["step"]][0]]
     return None
 
 

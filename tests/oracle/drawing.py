@@ -54,6 +54,8 @@ class Drawing:
         """An instant, and where it is expected."""
         rng = self.rng
         name = rng.choice(["start", *self.scene.marks, *self.scene.marks])
+        if rng.random() < 0.06:
+            return ("end", -rng.randrange(1, 30) * MS)
         if self.scene.awaited and rng.random() < 0.15:
             return self.awaited_base()
         distance = rng.choice((0, 0, 1, 2, 3, -1)) * MS

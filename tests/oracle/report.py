@@ -53,7 +53,8 @@ class Report:
         bases = {value[0] for value in claim.keys.values() if isinstance(value, tuple)} | {claim.keys.get("step")}
         if way in ("sampled", "stamped") and any(step in bases for step, *_ in origin.scene.awaited):
             return ("", "a step that waits, in a capture", "", kind)
-        if kind == "margin" and "within" in claim.keys and claim.keys["within"].low in (None, 0):
+        delay = claim.keys.get("within") or (claim.keys.get("is") if claim.verb == "period" else None)
+        if kind == "margin" and delay and delay.low in (None, 0):
             return ("", "an at-most limit", "", kind)
         if any(abs(number) > 1 << 53 for number in numbers):
             return ("", "numbers beyond 53 bits", "", kind)

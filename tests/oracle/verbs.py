@@ -159,7 +159,10 @@ def distance(left, right):
 def value(keys, placement):
     seen = placement.tracks[keys["of"]].value(placement.reading(keys.get("when", END)))
     if "near" in keys:
-        return distance(seen, keys["near"]) <= keys["tolerance"]
+        near = keys["near"]
+        if isinstance(near, str):
+            near = placement.tracks[near].value(placement.reading(keys["near-at"]))
+        return distance(seen, near) <= keys["tolerance"]
     return keys["wanted"].has(seen)
 
 
