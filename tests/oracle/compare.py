@@ -33,24 +33,28 @@ class Expected:
 def expected(claim, recording, rng, count):
     """What the placements of a recording make of a claim."""
     found = Expected()
-    names = names_of(claim, recording)
+    bases, looked_at = bases_of(claim)
+    waited = [rest for step, rest in recording.awaited.items() if step in bases]
+    names = sorted({*claim.names, *(signal for signal, *_ in waited)})
+    looked_at |= {since for _, _, since, _ in waited}
     found.unknown = recording.unknown(names) or bool(COARSE.keys() & set(names))
+    drawn = recording.placements, (rng, names, looked_at, marks(claim, recording), count)
     try:
-        for placement in recording.placements(rng, names, marks(claim, recording), count):
+        for placement in drawn[0](*drawn[1]):
             note(found, found.answers, claim, placement, recording.awaited)
         if recording.samples is not None and claim.verb not in AT_INSTANTS:
-            for placement in recording.placements(rng, names, marks(claim, recording), count,
-                                               claim.keys.get("pulses-longer-than", 0)):
+            for placement in drawn[0](*drawn[1], claim.keys.get("pulses-longer-than", 0)):
                 note(found, found.unseen, claim, placement, recording.awaited, False)
     except NeverCame:
         found.never_came = True
     return found
 
 
-def names_of(claim, recording):
-    """The signals that a claim looks at, and those that the steps wait for from which it counts."""
-    bases = {value[0] for value in claim.keys.values() if isinstance(value, tuple)} | {claim.keys.get("step")}
-    return sorted({*claim.names, *(recording.awaited[step][0] for step in recording.awaited if step in bases)})
+def bases_of(claim):
+    """The steps that a claim counts from: all of them, and those at whose very instant it looks."""
+    counted = [value for value in claim.keys.values() if isinstance(value, tuple)]
+    all_of_them = {base for base, _ in counted} | {claim.keys.get("step")}
+    return all_of_them, {base for base, distance in counted if distance == 0} | {"start", "end", claim.keys.get("step")}
 
 
 def empty(keys, placement):
@@ -179,6 +183,8 @@ def differences(claim, answer, found):
     # Of a signal that is not known for a while a figure is stated as seen, with no verdict.
     if answer.value and found.figures and not (found.unknown and verdict == "inconclusive"):
         result += of_figure(claim, answer, found)
+    if answer.value and "limits" in claim.keys and verdict in ("pass", "fail"):
+        result += of_stated(claim.keys["limits"], answer)
     if answer.margin is not None and not found.unknown and found.margins and None not in found.margins and verdict != "inconclusive":
         worst = float(min(found.margins))
         stated = float(answer.margin)
@@ -186,6 +192,19 @@ def differences(claim, answer, found):
         if stated > worst + off or len(found.margins) == 1 and abs(stated - worst) > off:
             result.append(("margin", f"stated {stated!r}, the worst placement has {worst!r}"))
     return result
+
+
+def of_stated(limits, answer):
+    """A verdict is that of the figure as it is stated: all of it keeps the limits, or none of it."""
+    low, high = (float(end) for end in answer.value)
+    off = 1e-9 * max(abs(low), 1)
+    least = -float("inf") if limits.low is None else float(limits.low)
+    most = float("inf") if limits.high is None else float(limits.high)
+    if answer.verdict == "pass" and (low < least - off or high > most + off):
+        return [("verdict against its figure", f"stated {low!r} .. {high!r} passes {least!r} .. {most!r}")]
+    if answer.verdict == "fail" and high > least + off and low < most - off:
+        return [("verdict against its figure", f"stated {low!r} .. {high!r} fails {least!r} .. {most!r}")]
+    return []
 
 
 def scale(claim):

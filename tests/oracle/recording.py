@@ -8,7 +8,8 @@ instants in between. So what is found is a contradiction, and what is not found 
 
 from placement import Placement, Track
 
-
+# Where in their intervals changes are: as early as they can be, pulses as wide as they can be, all as even as they can be ...
+WAYS = ("early", "late", "wide", "narrow", "spread", "drawn", "even", "corner", "corner", "marks", "between")
 # Ranks of changes that stand in no trace: after what does, at one instant.
 HELD_BACK = 1 << 30
 UNSEEN_RANK = 1 << 40
@@ -39,16 +40,18 @@ class Recording:
         return self.samples is None and all(self.exact[name] and None not in [change.value for change in self.tracks[name][1:]]
                                             for name in names)
 
-    def placements(self, rng, names, marks, count, unseen_from=None):
-        """Placements of these signals. `marks` are instants at which something may be decided. With `unseen_from` there are
-        pulses between samples that are longer than this."""
+    def placements(self, rng, names, bases, marks, count, unseen_from=None):
+        """Placements of these signals. `bases` are the steps that are looked at, `marks` instants at which something may be
+        decided. With `unseen_from` there are pulses between samples that are longer than this."""
         if self.known(names):
             yield self.placement({name: [(change.early, change.rank, change.value) for change in self.tracks[name]] for name in names})
             return
         for turn in range(count):
             tracks = {}
             for name in names:
-                placed = place(self.tracks[name], rng, ("early", "late", "corner", "corner", "marks", "between")[turn % 6], marks)
+                # At first all signals alike, later each in a way of its own.
+                way = WAYS[turn % len(WAYS)] if turn < len(WAYS) else rng.choice(WAYS)
+                placed = place(self.tracks[name], rng, way, marks)
                 if placed is None:
                     break
                 placed = self.filled(name, placed, rng)
@@ -56,7 +59,7 @@ class Recording:
                     placed = self.with_unseen(name, placed, rng, unseen_from)
                 tracks[name] = placed
             else:
-                placement = None if self.ties(tracks) else self.placement(tracks)
+                placement = None if self.ties(tracks, bases) else self.placement(tracks)
                 if placement is not None:
                     yield placement
 
@@ -78,9 +81,9 @@ class Recording:
                 placement.steps[step] = (times[0], UNSEEN_RANK - 1)
         return placement
 
-    def ties(self, tracks):
+    def ties(self, tracks, bases):
         """Changes whose order is left open fall together: which one came first is not worth a verdict."""
-        seen = {time for time, _ in self.steps.values()}
+        seen = {self.steps[base][0] for base in bases if base in self.steps}
         for name, changes in tracks.items():
             mine = {time for time, _, _ in changes}
             if not self.exact[name] and mine & seen:
@@ -143,28 +146,50 @@ def cut(changes):
     return changes
 
 
-def place(changes, rng, how, marks):
+def place(changes, rng, way, marks):
     """One instant for each change, later ones later; None where this turn finds none."""
+    if way == "even":
+        goals = even(changes, rng)
+    elif way in ("spread", "drawn"):
+        turn = rng.randrange(len(changes) + 1)
+        goals = [change.early if (index < turn) == (way == "spread") else change.late for index, change in enumerate(changes)]
+    else:
+        goals = [goal(change, index, rng, way, marks) for index, change in enumerate(changes)]
     placed, last = [], None
-    for change in changes:
-        low, high = change.early, change.late
-        if low == high:
-            if last is not None and low < last:
-                return None
-            time = low
-        else:
-            low = low if last is None else max(low, last + 1)
-            if low > high:
-                return None
-            if how == "early":
-                time = low
-            elif how == "late":
-                time = high
-            elif how == "corner":
-                time = rng.choice((low, high))
-            else:
-                near = [mark for mark in marks if low <= mark <= high] if how == "marks" else []
-                time = rng.choice(near) if near and rng.random() < 0.8 else rng.randint(low, high)
-        placed.append((time, change.rank, change.value))
-        last = time
+    for change, wanted in zip(changes, goals):
+        low = change.early
+        if last is not None and low <= last and change.early != change.late:
+            low = last + 1
+        if low > change.late or last is not None and low < last:
+            return None
+        last = min(max(round(wanted), low), change.late)
+        placed.append((last, change.rank, change.value))
     return placed
+
+
+def goal(change, index, rng, way, marks):
+    """Where a change is to be."""
+    if way in ("early", "late"):
+        return change.early if way == "early" else change.late
+    if way in ("wide", "narrow"):
+        # The first of a line is what it was at first: pulses begin with every second one after it.
+        return change.early if (index % 2 == 1) == (way == "wide") else change.late
+    if way == "corner":
+        return rng.choice((change.early, change.late))
+    near = [mark for mark in marks if change.early <= mark <= change.late] if way == "marks" else []
+    return rng.choice(near) if near and rng.random() < 0.8 else rng.randint(change.early, change.late)
+
+
+def even(changes, rng):
+    """Instants at which every second change comes evenly, by the distance of two of them."""
+    goals = [rng.randint(change.early, change.late) for change in changes]
+    for first in (1, 2):
+        places = list(range(first, len(changes), 2))
+        if len(places) < 3:
+            continue
+        one, other = sorted(rng.sample(range(len(places)), 2))
+        since, to = (rng.choice((changes[places[at]].early, changes[places[at]].late)) for at in (one, other))
+        period = (to - since) / (other - one)
+        for index, at in enumerate(places):
+            goals[at] = since + (index - one) * period
+    return goals

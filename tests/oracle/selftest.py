@@ -213,7 +213,7 @@ def recordings():
     track = [Change(-MS, -MS, 1, False), Change(2 * MS, 6 * MS, 5, True), Change(4 * MS, 5 * MS, 6, False)]
     recording = Recording({"lamp": track}, STEPS)
     widths = set()
-    for placement in recording.placements(rng, ["lamp"], [4 * MS], 200):
+    for placement in recording.placements(rng, ["lamp"], ["start"], [4 * MS], 200):
         rise, fall = (time for time, _ in placement.tracks["lamp"].at[1:])
         assert 2 * MS <= rise < fall <= 5 * MS, (rise, fall)
         widths.add(fall - rise)
