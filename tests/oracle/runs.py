@@ -40,6 +40,7 @@ def round_of(rig, folder, way, rng, report, wanted, filters, cases):
             report.broken(way, "the case did not run", name, RunOrigin(scene, name))
             continue
         judged(rig, folder, name, scene, claims, own, records[name], report)
+    again(rig, folder, "c0", *made["c0"][:2], records.get("c0"), report)
 
 
 def refused(rig, folder, made, report):
@@ -82,6 +83,28 @@ def judged(rig, folder, name, scene, claims, rng, case, report):
             continue
         found = compare.expected(claim, recording, rng, PLACEMENTS)
         report.compare(scene.way, claim, answer, found, RunOrigin(scene, name, claim))
+
+
+def again(rig, folder, name, scene, claims, case, report):
+    """The trace of a case gives its verdicts once more, and its value change dump none that is another one: it says between
+    which instants each change was, if not so closely."""
+    if not case or "trace_file" not in case:
+        return
+    trace = pathlib.Path("report", case["trace_file"])
+    names = [f"k{index}" for index in range(len(claims))]
+    first = command.answers(case)
+    for file in (trace, trace.with_suffix(".vcd")):
+        answers, words = command.judge(rig, folder, f"{name}.toml", str(file), names)
+        if answers is None:
+            report.broken(scene.way, f"its {file.suffix} is not judged", words[:1000], RunOrigin(scene, name))
+            continue
+        for index, claim in enumerate(claims):
+            one, other = first[names[index]].verdict, answers[names[index]].verdict
+            # What passes and what has no verdict look alike there.
+            same = one == other or (one, other) == ("none", "pass")
+            if not same and (file == trace or other != "inconclusive"):
+                report.broken(scene.way, f"another verdict by its {file.suffix}", f"{one}, then {other}: {answers[names[index]].reason}",
+                              RunOrigin(scene, name, claim))
 
 
 def recorded(folder, name, scene, case, rng):
