@@ -9,11 +9,14 @@ from fractions import Fraction
 
 import trains
 from figures import Limits
-from placement import NeverCame
+from placement import NeverCame, Placement, Track
 from scenes import COARSE
 from trains import MEASURES, MISSING, VERBS, Rooted
 from verbs import END, START, window
 
+# Claims that one figure keeps its limits.
+FIGURES = {"frequency": trains.frequency, "duty": trains.duty, "speed": trains.speed, "position": trains.position,
+           "jitter": trains.jitter}
 # What looks at an instant alone: a pulse between two samples is not what it asks for.
 AT_INSTANTS = {"value", "equal", "speed", "state", "led", "task", "happens"}
 
@@ -26,6 +29,7 @@ class Expected:
         self.figures = []
         self.margins = []
         self.examples = {}
+        self.some = []
         self.never_came = False
         self.unknown = False
 
@@ -45,9 +49,58 @@ def expected(claim, recording, rng, count):
         if recording.samples is not None and claim.verb not in AT_INSTANTS:
             for placement in drawn[0](*drawn[1], claim.keys.get("pulses-longer-than", 0)):
                 note(found, found.unseen, claim, placement, recording.awaited, False)
+        between_two(found, claim, recording)
     except NeverCame:
         found.never_came = True
     return found
+
+
+def figure_of(claim, placement):
+    """The one figure that a claim or a measurement is about and its limits; None where there is none."""
+    figure = MEASURES.get(claim.verb) if claim.group == "measure" else FIGURES.get(claim.verb)
+    limits = claim.keys.get("limits" if claim.group == "measure" else "is")
+    if figure is None or limits is None or "pulses-longer-than" in claim.keys or empty(claim.keys, placement):
+        return None, None
+    found = figure(claim.keys, placement)
+    return (found, limits) if isinstance(found, (int, Fraction)) and not isinstance(found, bool) else (None, None)
+
+
+def between_two(found, claim, recording):
+    """Where one placement is below the limits and one above them, one in between may keep them: every change halfway between
+    where they have it keeps to its interval, too."""
+    if found.answers != {False}:
+        return
+    sides = {}
+    for placement in found.some:
+        figure, limits = figure_of(claim, placement)
+        if figure is not None:
+            sides["below" if limits.low is not None and figure < limits.low else "above"] = placement
+    for _ in range(24):
+        if len(sides) < 2:
+            return
+        placement = halfway(sides["below"], sides["above"])
+        figure, limits = figure_of(claim, placement) if placement else (None, None)
+        if figure is None:
+            return
+        if limits.allow(figure):
+            tracks = {name: [(*at, value) for at, value in zip(track.at, track.values)] for name, track in placement.tracks.items()}
+            if not recording.ties(tracks, bases_of(claim)[1]):
+                note(found, found.answers, claim, placement, recording.awaited)
+            return
+        sides["below" if limits.low is not None and figure < limits.low else "above"] = placement
+
+
+def halfway(one, other):
+    """The placement in the middle of two of the same changes; None where they have others, or the order of two is lost."""
+    tracks = {}
+    for name, track in one.tracks.items():
+        second = other.tracks[name]
+        if track.values != second.values:
+            return None
+        tracks[name] = Track([((at[0] + to[0]) // 2, at[1], value) for at, to, value in zip(track.at, second.at, track.values)])
+        if any(at >= to for at, to in zip(tracks[name].at, tracks[name].at[1:])):
+            return None
+    return Placement(tracks, one.steps) if one.steps == other.steps else None
 
 
 def bases_of(claim):
@@ -87,6 +140,8 @@ def note(found, answers, claim, placement, awaited, seen=True):
             answer = None if limits is None else limits.allow(figure)
     answers.add(answer)
     found.examples.setdefault(answer, placement)
+    if seen and len(found.some) < 80:
+        found.some.append(placement)
     if seen:
         found.margins.append(margin(claim, placement))
 
@@ -116,8 +171,7 @@ def margin(claim, placement):
         left, right = (placement.tracks[keys[side]].value(placement.reading(keys.get(side + "-at", keys.get("when", END))))
                        for side in ("left", "right"))
         return None if isinstance(left, bool) else keys.get("tolerance", 0) - abs(left - right)
-    figure = {"frequency": trains.frequency, "duty": trains.duty, "speed": trains.speed, "position": trains.position,
-              "jitter": trains.jitter}.get(claim.verb)
+    figure = FIGURES.get(claim.verb)
     if figure and "pulses-longer-than" not in keys:
         found = figure(keys, placement)
         return keys["is"].margin(found) if isinstance(found, (int, Fraction)) else None

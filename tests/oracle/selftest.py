@@ -225,6 +225,14 @@ def recordings():
     check("its pass", [kind for kind, _ in compare.differences(claim, Answer("pass"), found)], ["pass, may be broken"])
     check("its failure", [kind for kind, _ in compare.differences(claim, Answer("fail"), found)], ["fail, may hold"])
     check("its being open", compare.differences(claim, Answer("inconclusive"), found), [])
+    # Pulses of 1 ms to 5 ms and periods of 6 ms to 10 ms: no end of an interval makes exactly a third.
+    train = [Change(-MS, -MS, 1, False)]
+    for time in range(4, 36, 8):
+        train += [Change(time * MS, (time + 2) * MS, 5, True), Change((time + 3) * MS, (time + 5) * MS, 6, False)]
+    third = Fraction(100, 3)
+    claim = Claim("expect", "duty", {"signal": "lamp", "is": Limits(third - Fraction(1, 10 ** 5), third + Fraction(1, 10 ** 5))}, {}, ["lamp"])
+    found = compare.expected(claim, Recording({"lamp": train}, STEPS), rng, 60)
+    check("a figure between two", found.answers, {True, False})
     steady = Recording({"lamp": [Change(-MS, -MS, 1, False)]}, STEPS, samples=[time * MS for time in range(41)],
                        pool={"lamp": [False, True]})
     for keys, kinds in (({}, ["pass, unseen"]), ({"pulses-longer-than": MS}, [])):
