@@ -98,6 +98,14 @@ impl BoardEvent {
         }
     }
 
+    /// The earliest instant at which it can have happened.
+    pub fn earliest(&self) -> Time {
+        match *self {
+            BoardEvent::Changed { at, .. } => at.earliest,
+            other => other.latest(),
+        }
+    }
+
     /// The latest instant at which it can have happened: what poll orders by.
     pub fn latest(&self) -> Time {
         match *self {

@@ -72,6 +72,12 @@ pub trait Board: Send + fmt::Debug {
     /// Speaks for the board's buses, too.
     fn next_event(&self) -> Option<Time>;
 
+    /// By when every change up to `at`, which was polled for, will have been reported, as far as the board itself holds reports
+    /// back. `at` where it holds nothing.
+    fn reported_by(&self, at: Time) -> Time {
+        self.inner().map_or(at, |board| board.reported_by(at))
+    }
+
     /// Drives every driven line to its safe value and latches it there until the next start.
     ///
     /// # Errors

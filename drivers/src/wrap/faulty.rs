@@ -275,6 +275,11 @@ impl<B: Board> Board for Faulty<B> {
         self.inner.next_event().into_iter().chain(held).chain(self.next_back()).min()
     }
 
+    fn reported_by(&self, at: Time) -> Time {
+        let held = self.held.iter().filter(|(_, event)| event.earliest() <= at).map(|(from, _)| *from);
+        held.chain([self.inner.reported_by(at)]).max().unwrap_or(at)
+    }
+
     fn safe(&mut self, now: Time) -> Result<(), BoardError> {
         self.inner.safe(now)
     }

@@ -205,7 +205,10 @@ impl TraceClaim for FirstEdgeClaim {
             claim: self.clone(),
             info: info.clone(),
             finder: EdgeFinder::new(edge, slack(info)),
-            first: FirstEdge::new(point, limits.0, limits.1),
+            first: FirstEdge::new(point, limits.0, limits.1).until(match limits.1 {
+                i64::MAX => scene.end(),
+                _ => i64::MAX,
+            }),
             point,
             limits,
             end: scene.end(),
@@ -334,8 +337,12 @@ impl FirstEdgeMonitor {
             };
         }
         if delay.doubtful && delay.deciding.is_none_or(|found| !found.certain) {
+            let after_end = |found: FoundEdge| found.seen.place != LAST && found.seen.b > self.end;
             return match cut_short {
                 true => String::from("the case ended before the window closed"),
+                false if delay.deciding.is_some_and(after_end) => {
+                    format!("the case may have ended before it did {what}")
+                }
                 false => format!("the value is not known at a time when it may {what}"),
             };
         }

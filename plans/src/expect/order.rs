@@ -127,7 +127,7 @@ impl TraceClaim for OrderClaim {
         for (name, edge) in &self.edges {
             let info = scene.signal(name)?;
             let finder = EdgeFinder::new(edge.clone(), slack(info));
-            sides.push(OrderedEdge { finder, first: FirstEdge::new(point, 0, i64::MAX) });
+            sides.push(OrderedEdge { finder, first: FirstEdge::new(point, 0, i64::MAX).until(scene.end()) });
         }
         Ok(Box::new(OrderMonitor { claim: self.clone(), point, sides }))
     }

@@ -327,7 +327,8 @@ struct Follower {
 impl Follower {
     #[inline]
     fn feed(self, running: &mut [RunningMonitor], short: &mut ShortPulses<Follower>, seen: &TimedValue) {
-        if seen.a > self.last.0 || seen.place > self.last.1 {
+        // What was recorded after the end may have come before it, as far as its interval reaches.
+        if seen.a > self.last.0 || seen.place > self.last.1 && seen.a == self.last.0 {
             return;
         }
         match self.filter {

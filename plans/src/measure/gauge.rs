@@ -138,7 +138,12 @@ impl Gauge {
             MeasuredQuantity::ToEdge { from, signal, edge } => {
                 let from = scene.point(from)?;
                 let finder = EdgeFinder::new(edge.clone(), slack(scene.signal(signal)?));
-                GaugeState::Edge { from, finder, first: FirstEdge::new(from, 0, i64::MAX), past: edge.past() }
+                GaugeState::Edge {
+                    from,
+                    finder,
+                    first: FirstEdge::new(from, 0, i64::MAX).until(scene.end()),
+                    past: edge.past(),
+                }
             }
             MeasuredQuantity::Value { signal, when } => {
                 let (found, point) = (scene.signal(signal)?, scene.point(when)?);

@@ -155,6 +155,8 @@ pub struct FirstEdge {
     from: UncertainInstant,
     least: i64,
     most: i64,
+    /// The end of the case: an edge that may come after it need not be one of the case.
+    end: i64,
     /// The earliest placement of the instant with all certain edges so far before it.
     left: i64,
     done: bool,
@@ -194,6 +196,7 @@ impl FirstEdge {
             from,
             least,
             most,
+            end: i64::MAX,
             left: i64::MIN,
             done: false,
             can_hold: false,
@@ -205,12 +208,19 @@ impl FirstEdge {
         }
     }
 
+    /// The same where no limit but the end of the case says how late the edge may be.
+    #[must_use]
+    pub fn until(self, end: i64) -> FirstEdge {
+        FirstEdge { end, ..self }
+    }
+
     /// The next edge.
     #[inline]
     pub fn see(&mut self, found: &FoundEdge) {
         if self.done {
             return;
         }
+        let found = &FoundEdge { certain: found.certain && found.seen.b <= self.end, ..*found };
         let seen = &found.seen;
         // The instants that have this edge as the first at or after them.
         let low = self.from.a.max(self.left);

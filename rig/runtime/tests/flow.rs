@@ -315,3 +315,40 @@ fn times_that_touch_each_other_are_done_once() {
     assert_eq!(claim(&result.record, "whole"), (Verdict::Pass, ""));
     assert!((295..=300).contains(&came(&result.record, "behind").unwrap()));
 }
+
+/// The button is pressed shortly before the end, and a board that reports late knows of it only after the end.
+#[test]
+fn a_change_that_is_reported_after_the_end_leaves_open_whether_it_came_before() {
+    let interrupt = AtomicBool::new(false);
+    let options = RunOptions::new(ClockKind::Virtual, &interrupt);
+    let plan = |ends: &str, teardown: &str| {
+        format!(
+            "title = \"Late\"\nsteps = [{{ id = \"open\", at = \"main + 100 ms\", set = {{ signal = \"button\", value = true }} }}]
+            ends = \"main + {ends}\"\n{teardown}\nexpect = [
+            {{ name = \"none\", edges = {{ signal = \"button\", rising = 0 }} }},
+            {{ name = \"shut\", stays = {{ signal = \"button\", is = false }} }},
+            {{ name = \"value\", value = {{ of = \"button\", is = false, when = \"end\" }} }},
+            {{ name = \"before\", stays = {{ signal = \"button\", is = false, until = \"open\" }} }},
+            ]\n"
+        )
+    };
+    let teardown = "teardown = [{ id = \"rest\", at = \"teardown + 500 ms\", mark = {} }]";
+    let board = "[faults]\nlate = { chance = 1, by = \"400 ms\" }";
+    for teardown in ["", teardown] {
+        let record = &run_with(&plan("130 ms", teardown), board, &options).record;
+        for name in ["none", "shut", "value"] {
+            assert_eq!(claim(record, name).0, Verdict::Inconclusive, "{name}: {}", claim(record, name).1);
+        }
+        assert_eq!(claim(record, "before").0, Verdict::Pass);
+        // Once it is known that it came before the end, it did.
+        let record = &run_with(&plan("2 s", teardown), board, &options).record;
+        for name in ["none", "shut", "value"] {
+            assert_eq!(claim(record, name).0, Verdict::Fail, "{name}");
+        }
+        // A board that reports at once leaves nothing open.
+        let record = &run_with(&plan("130 ms", teardown), "", &options).record;
+        for name in ["none", "shut", "value"] {
+            assert_eq!(claim(record, name).0, Verdict::Fail, "{name}");
+        }
+    }
+}

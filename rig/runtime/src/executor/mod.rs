@@ -14,6 +14,7 @@ mod event_source;
 mod exceptions;
 pub mod frame_log;
 pub mod heartbeat;
+mod late_reports;
 mod limits;
 mod live;
 pub mod loop_counter;
@@ -98,6 +99,10 @@ pub struct Executor<'a> {
     ends: bool,
     /// Something ended the case before its time.
     over: bool,
+    /// The end of the case, which the teardown comes after: in the board's time, and the latest that it can have been.
+    ended: Option<(Time, Time)>,
+    /// How far the board was asked after the end, for what it had not reported by then.
+    board_reached: Time,
     /// The outputs were driven to their safe values.
     safe: bool,
     report: ExecutorReport,
@@ -153,7 +158,8 @@ impl Drop for Executor<'_> {
     fn drop(&mut self) {
         if !self.safe {
             // The board itself may be what panicked: a second panic would end the process.
-            let safe = std::panic::AssertUnwindSafe(|| self.parts.board.safe(self.board_time()));
+            let at = self.board_time().max(self.board_reached);
+            let safe = std::panic::AssertUnwindSafe(|| self.parts.board.safe(at));
             let _ = std::panic::catch_unwind(safe);
         }
     }
@@ -231,6 +237,8 @@ impl<'a> Executor<'a> {
             end: Time::MAX,
             ends: false,
             over: false,
+            ended: None,
+            board_reached: Time::MIN,
             safe: false,
             report: ExecutorReport { log: Vec::with_capacity(64), frames, ..ExecutorReport::default() },
             exceptions: ExceptionWatch::default(),
@@ -255,6 +263,8 @@ impl<'a> Executor<'a> {
             self.report.fault.get_or_insert(fault);
         }
         self.report.end = self.now;
+        let mark = self.seen(self.now);
+        self.ended = Some((self.board_time(), mark.latest));
         self.mark_pending_faults(|_| true);
         // What comes after the end raises no alarm.
         self.parts.alarms.clear();
@@ -265,8 +275,9 @@ impl<'a> Executor<'a> {
             self.tear_down();
         }
         self.report.closed = self.now;
+        self.take_late_reports();
         self.safe = true;
-        let at = self.board_time();
+        let at = self.board_time().max(self.board_reached);
         if let Err(error) = self.parts.board.safe(at) {
             self.report.fault.get_or_insert(RigFault::Board { at, error });
         }

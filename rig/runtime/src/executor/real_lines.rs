@@ -18,7 +18,7 @@ use std::collections::VecDeque;
 const MOST_PENDING: usize = 16_384;
 
 /// The longest that a wait lasts at a stretch, so that an interrupt is seen.
-const LONGEST_WAIT: Span = Span::from_millis(50);
+pub(super) const LONGEST_WAIT: Span = Span::from_millis(50);
 
 /// A change of an input terminal that the modelled time has not reached yet.
 #[derive(Clone, Copy, Debug)]
@@ -233,6 +233,18 @@ impl Executor<'_> {
     /// When something that the board saw happened. What a late rig did to a wire, it should have done earlier; what a
     /// controller does on a wire may be late as well.
     pub(super) fn seen_by_board(&self, at: When, channel: ChannelId, origin: Origin) -> When {
+        let seen = self.widened(at, channel, origin);
+        // What the board stamped after the end is of the teardown, however late the rig was.
+        match self.ended.filter(|(ended, _)| at.earliest >= *ended) {
+            Some((_, latest)) => {
+                let earliest = seen.earliest.max(latest);
+                When::within(earliest, seen.latest.max(earliest))
+            }
+            None => seen,
+        }
+    }
+
+    fn widened(&self, at: When, channel: ChannelId, origin: Origin) -> When {
         let early = self.parts.wiring.early.get(usize::from(channel.0)).copied().unwrap_or(Span::ZERO);
         let at = When { earliest: at.earliest.saturating_add(-early), ..at };
         if self.parts.clock.is_exact() {
