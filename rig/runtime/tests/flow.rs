@@ -352,3 +352,24 @@ fn a_change_that_is_reported_after_the_end_leaves_open_whether_it_came_before() 
         }
     }
 }
+
+/// `within` includes its limit for a step that waits, as it does for a claim.
+#[test]
+fn what_comes_at_the_limit_of_a_wait_comes_in_time() {
+    let interrupt = AtomicBool::new(false);
+    let options = RunOptions::new(ClockKind::Virtual, &interrupt);
+    for (within, came_in_time) in [("100 ms", true), ("99.999999 ms", false)] {
+        let plan = format!(
+            "title = \"At the limit\"\nsteps = [
+            {{ id = \"open\", at = \"main + 100 ms\", set = {{ signal = \"button\", value = true }} }},
+            {{ id = \"seen\", when = {{ signal = \"button\", edge = \"rises\", from = \"main\", within = \"{within}\" }} }},
+            ]\nends = \"main + 1 s\"\n
+            expect = [{{ name = \"claim\", rises = {{ signal = \"button\", from = \"main\", within = \"{within}\" }} }}]\n"
+        );
+        let record = &run_with(&plan, "", &options).record;
+        assert_eq!(came(record, "seen").is_some(), came_in_time, "{within}");
+        let expected = if came_in_time { Verdict::Pass } else { Verdict::Fail };
+        assert_eq!(claim(record, "claim").0, expected, "{within}");
+        assert_eq!(record.verdict, expected, "{within}: {}", record.reason);
+    }
+}

@@ -243,7 +243,7 @@ impl Replay {
                 self.start(start)?;
                 waiting = None;
             }
-            self.settle(change.at.latest)?;
+            self.settle(change.at.latest, true)?;
             if self.schedule.end().is_some_and(|end| end < change.at.latest) {
                 break;
             }
@@ -256,14 +256,14 @@ impl Replay {
             self.start(all)?;
         }
         let last = capture.span[1];
-        self.settle(last)?;
+        self.settle(last, false)?;
         let end = self.schedule.end().unwrap_or(last);
         if end > last {
             for wire in wires {
                 let signal = SignalId(wire.signal as u32);
                 self.put(signal, When::exactly(last), Value::Unknown)?;
             }
-            self.settle(end)?;
+            self.settle(end, false)?;
         }
         self.mark(self.end_mark, end)
     }
@@ -271,7 +271,7 @@ impl Replay {
     fn start(&mut self, at: When) -> Result<(), TraceError> {
         self.mark(self.start_mark, at.latest)?;
         self.schedule.start(at.latest);
-        self.settle(at.latest)
+        self.settle(at.latest, true)
     }
 
     fn change(&mut self, wire: &ChannelMapping, at: When, value: Value) -> Result<(), TraceError> {
@@ -282,7 +282,7 @@ impl Replay {
         if self.put(signal, at, value)? && self.schedule.awaits(signal) {
             self.width = self.width.max(width(at));
             self.schedule.changed(signal, before, value, at.latest);
-            self.settle(at.latest)?;
+            self.settle(at.latest, true)?;
         }
         Ok(())
     }
@@ -302,8 +302,9 @@ impl Replay {
         self.put(mark, at, Value::Int(times)).map(|_| ())
     }
 
-    /// The steps that are due.
-    fn settle(&mut self, until: Time) -> Result<(), TraceError> {
+    /// The steps that are due. Where `more` changes may come at this very instant, a wait whose limit it is goes on.
+    fn settle(&mut self, until: Time, more: bool) -> Result<(), TraceError> {
+        let mut waits = Vec::new();
         while let Some((at, step, due)) = self.schedule.take(until) {
             match due {
                 Due::Arm => self.schedule.arm(step, at),
@@ -323,6 +324,7 @@ impl Replay {
                     self.mark(Some(self.schedule.steps()[step].done), at)?;
                     self.schedule.finish(step, at);
                 }
+                Due::Missed if more && at == until => waits.push((at, step)),
                 Due::Missed => {
                     let missed = self.schedule.miss(step, at);
                     if missed && self.schedule.steps()[step].phase == CasePart::Setup {
@@ -345,6 +347,9 @@ impl Replay {
                     }
                 }
             }
+        }
+        for (at, step) in waits {
+            self.schedule.wait_on(at, step);
         }
         Ok(())
     }

@@ -16,7 +16,9 @@ use signal::{Cause, SignalId, Time, Value};
 impl Executor<'_> {
     /// The steps that are due.
     pub(super) fn steps(&mut self, now: Time) -> Result<(), RigFault> {
-        while let Some((_, step, due)) = self.parts.schedule.take(now) {
+        // A wait whose limit is now, while a timer of the controller may still bring what it waits for.
+        let mut waits = None;
+        while let Some((at, step, due)) = self.parts.schedule.take(now) {
             match due {
                 Due::Arm | Due::Begin if self.is_past_end(now) => {}
                 Due::Arm => self.parts.schedule.arm(step, now),
@@ -41,6 +43,12 @@ impl Executor<'_> {
                 }
                 // The step's own claim fails with what was waited for. The case goes on without the step, unless
                 // its end depends on it.
+                Due::Missed
+                    if at == now && self.parts.subject.next_timer().is_some_and(|timer| timer <= now) =>
+                {
+                    waits = Some((at, step));
+                    break;
+                }
                 Due::Missed => {
                     let missed = self.parts.schedule.miss(step, now);
                     match self.parts.schedule.steps()[step].phase {
@@ -63,6 +71,9 @@ impl Executor<'_> {
                     self.parts.schedule.begin_main(now);
                 }
             }
+        }
+        if let Some((at, step)) = waits {
+            self.parts.schedule.wait_on(at, step);
         }
         Ok(())
     }

@@ -280,10 +280,25 @@ impl Schedule {
                 return None;
             }
             self.queue.pop();
+            // The limit of a wait belongs to it: what comes at that very instant came in time.
+            if due == Due::Missed && self.acts_by(now) {
+                self.put(at, step, due);
+                continue;
+            }
             if !self.is_held(step, due) {
                 return Some((at, step, due));
             }
         }
+    }
+
+    /// Whether a step does something by `now` that may still bring what another one waits for.
+    fn acts_by(&self, now: Time) -> bool {
+        self.queue.iter().any(|Reverse((at, _, _, due))| *at <= now && *due != Due::Missed)
+    }
+
+    /// The wait of a step is not over yet: more may come at this instant.
+    pub fn wait_on(&mut self, at: Time, step: usize) {
+        self.put(at, step, Due::Missed);
     }
 
     fn put(&mut self, at: Time, step: usize, due: Due) {
