@@ -3,6 +3,7 @@
 mod alarms;
 mod broken;
 mod claims;
+mod fail_fast;
 mod global_checks;
 mod goldens;
 mod limits;

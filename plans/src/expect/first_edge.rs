@@ -185,6 +185,10 @@ impl TraceClaim for FirstEdgeClaim {
         demands
     }
 
+    fn is_open_ended(&self) -> bool {
+        true
+    }
+
     fn pulses(&self, info: &SignalInfo) -> PulseRule {
         let level = match self.kind.bind(info) {
             Ok(CountedEdge::Becomes(test)) => Some(test),

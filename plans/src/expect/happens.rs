@@ -93,6 +93,10 @@ impl TraceClaim for HappensClaim {
         super::known(&self.signals()[0], wiring, out);
     }
 
+    fn is_open_ended(&self) -> bool {
+        true
+    }
+
     fn pulses(&self, _: &SignalInfo) -> PulseRule {
         PulseRule::SEEN
     }

@@ -133,6 +133,10 @@ pub trait TraceClaim: Debug + Send + Sync {
     fn counts(&self) -> Option<f64> {
         None
     }
+    /// Whether it looks as far as the case goes, unless what it wants comes before.
+    fn is_open_ended(&self) -> bool {
+        false
+    }
     /// How it looks at the pulses of one of its signals: what those that nobody saw could do to its answer.
     fn pulses(&self, info: &SignalInfo) -> PulseRule;
     /// Starts judging; every instant that the claim depends on is known by now, or known not to have come.

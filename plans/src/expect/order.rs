@@ -117,6 +117,10 @@ impl TraceClaim for OrderClaim {
         changes.chain([ClaimDemand::At(&self.from)]).collect()
     }
 
+    fn is_open_ended(&self) -> bool {
+        true
+    }
+
     fn pulses(&self, _: &SignalInfo) -> PulseRule {
         PulseRule::breaks(self.longer_than)
     }

@@ -7,6 +7,7 @@ use record::{ClaimOrigin, Verdict, Window};
 use signal::{Event, SignalInfo, Span, TraceError, When};
 
 use super::claim_record::{claim_record, writer};
+use super::early_end::EarlyEnd;
 use super::live::LiveReading;
 use super::order::Orderer;
 use super::pulse_limits::PulseLimits;
@@ -200,9 +201,19 @@ impl CaseJudge {
         }
     }
 
+    /// The case has come to this instant, whether anything happened then or not.
+    pub fn reach(&mut self, now: signal::Time) {
+        self.live.reach(now.as_nanos());
+    }
+
     /// Whether some claim is lost whatever comes. Cheap enough to ask after every step and every change.
     pub fn failed_early(&mut self) -> bool {
         self.live.lost()
+    }
+
+    /// The words of the note [`super::LOST_NOTE`] of a case that was ended because [`CaseJudge::failed_early`] said so.
+    pub fn lost_words(&self) -> String {
+        EarlyEnd::words(self.live.first_lost())
     }
 
     /// Which claims are lost whatever comes, in the order of the expectations.
@@ -254,6 +265,7 @@ impl CaseJudge {
             held: 0,
         };
         let why = note("ended").unwrap_or_default();
+        let early = EarlyEnd::of(note);
         let mut stage = FinalReading::new(&self.scenario, &scene, &why);
         stage.counting = PulseLimits::new(&self.signals, note);
         let last = scene.end().max(CaseTimeline { closing: true, ..scene }.end());
@@ -274,7 +286,7 @@ impl CaseJudge {
         if let Some(fault) = fault {
             return Err(fault);
         }
-        Ok(stage.finish(&self.scenario, &self.signals, note))
+        Ok(stage.finish(&self.scenario, &scene, &early, note))
     }
 }
 
@@ -442,9 +454,11 @@ impl FinalReading {
     fn finish(
         mut self,
         scenario: &Scenario,
-        signals: &[SignalInfo],
+        scene: &CaseTimeline<'_>,
+        early: &EarlyEnd,
         note: &dyn Fn(&str) -> Option<String>,
     ) -> JudgedCase {
+        let signals = scene.signals;
         for line in &mut self.lines {
             let (followers, running, short) = (&line.followers, &mut self.running, &mut self.short);
             line.orderer.drain(|seen| {
@@ -481,7 +495,8 @@ impl FinalReading {
                 None => monitor.finish(),
             });
             let silent = unobserved(&expectation.claim.signals());
-            let mut record = claim_record(expectation, finding, silent, &writer);
+            let record = claim_record(expectation, finding, silent, &writer);
+            let mut record = early.claim(place, &*expectation.claim, scene, record);
             if record.verdict == Verdict::Inconclusive {
                 why(&expectation.claim.signals(), record.window.as_ref(), &mut record.reason);
             }
@@ -526,7 +541,7 @@ impl FinalReading {
                     (taken.verdict, taken.reason) = (Verdict::Inconclusive, why);
                 }
             }
-            measurements.push(taken);
+            measurements.push(early.measurement(&measurement.anchors(), scene, taken));
         }
         JudgedCase::of(claims, measurements)
     }

@@ -7,7 +7,7 @@ use signal::{Event, SignalInfo};
 
 use super::order::Orderer;
 use crate::expect::Expectation;
-use crate::lang::Anchor;
+use crate::lang::{Anchor, AnchorBase};
 use crate::monitor::{CaseTimeline, Monitor, TimedValue, lag};
 
 /// How far a claim is watched.
@@ -43,10 +43,17 @@ pub(crate) struct LiveReading {
     watches: Vec<ClaimWatch>,
     /// How late an event of a claim's signals can become known, nanoseconds.
     lags: Vec<i64>,
+    /// From when on all instants that a claim depends on have come, the end of the case apart: one that does not come any more
+    /// would leave the claim open.
+    come: Vec<i64>,
     lines: Vec<WatchedSignal>,
     now: i64,
+    /// The instant that the case has come to.
+    reached: i64,
     /// Nobody asks: only the order of the events is looked at.
     idle: bool,
+    /// The claims that were lost when that was first noticed.
+    first_lost: Vec<usize>,
 }
 
 impl LiveReading {
@@ -64,9 +71,12 @@ impl LiveReading {
         let mut live = LiveReading {
             watches: Vec::new(),
             lags: Vec::new(),
+            come: vec![i64::MAX; expectations.len()],
             lines: signals.iter().map(line).collect(),
             now: i64::MIN,
+            reached: i64::MIN,
             idle: false,
+            first_lost: Vec::new(),
         };
         for (at, expectation) in expectations.iter().enumerate() {
             let mut latest = 0;
@@ -90,9 +100,15 @@ impl LiveReading {
         self.watches.clear();
     }
 
+    /// The case has come to this instant.
+    pub(crate) fn reach(&mut self, now: i64) {
+        self.reached = self.reached.max(now);
+    }
+
     #[inline]
     pub(crate) fn feed(&mut self, event: &Event, place: u64) {
         self.now = self.now.max(event.at.earliest.as_nanos());
+        self.reached = self.reached.max(self.now);
         let Some(line) = self.lines.get_mut(event.signal.0 as usize) else { return };
         if line.followers.is_empty() {
             return;
@@ -120,6 +136,9 @@ impl LiveReading {
         }
         for (at, expectation) in expectations.iter().enumerate() {
             let claim = &expectation.claim;
+            if self.come[at] == i64::MAX {
+                self.come[at] = all_come(&claim.anchors(), scene);
+            }
             let open = || claim.anchors().iter().any(|anchor| scene.point(anchor).is_err());
             match &mut self.watches[at] {
                 ClaimWatch::Over { .. } => {}
@@ -172,13 +191,33 @@ impl LiveReading {
 
     /// Whether a claim is lost.
     pub(crate) fn lost(&mut self) -> bool {
-        let (now, lags) = (self.now, &self.lags);
-        self.watches.iter_mut().zip(lags).any(|(watch, lag)| watch.lost(now.saturating_sub(*lag)))
+        let (now, reached, times) = (self.now, self.reached, self.come.iter().zip(&self.lags));
+        let mut watches = self.watches.iter_mut().zip(times);
+        if !watches.any(|(watch, (come, lag))| *come <= reached && watch.lost(now.saturating_sub(*lag))) {
+            return false;
+        }
+        if self.first_lost.is_empty() {
+            let lost = self.lost_each().into_iter().enumerate();
+            self.first_lost = lost.filter_map(|(at, lost)| lost.then_some(at)).collect();
+        }
+        true
+    }
+
+    /// The places of the claims that were lost when that was first noticed.
+    pub(crate) fn first_lost(&self) -> &[usize] {
+        &self.first_lost
     }
 
     /// Which claims are lost.
     pub(crate) fn lost_each(&mut self) -> Vec<bool> {
-        let (now, lags) = (self.now, &self.lags);
-        self.watches.iter_mut().zip(lags).map(|(watch, lag)| watch.lost(now.saturating_sub(*lag))).collect()
+        let (now, reached, times) = (self.now, self.reached, self.come.iter().zip(&self.lags));
+        let watches = self.watches.iter_mut().zip(times);
+        watches.map(|(watch, (come, lag))| *come <= reached && watch.lost(now.saturating_sub(*lag))).collect()
     }
+}
+
+/// From when on all of these instants have come, the end of the case apart; `i64::MAX` while one is still to come.
+fn all_come(anchors: &[&Anchor], scene: &CaseTimeline<'_>) -> i64 {
+    let own = anchors.iter().filter(|anchor| anchor.base != AnchorBase::End);
+    own.map(|anchor| scene.point(anchor).map_or(i64::MAX, |point| point.a)).max().unwrap_or(i64::MIN)
 }

@@ -116,6 +116,11 @@ impl<'a> CaseTimeline<'a> {
         self.resolve(&Anchor::END).map_or(i64::MAX, |end| end.b)
     }
 
+    /// The end of the case, at the earliest.
+    pub(crate) fn earliest_end(&self) -> i64 {
+        self.resolve(&Anchor::END).map_or(i64::MAX, |end| end.a)
+    }
+
     /// Whether a window that ends at this instant has an end that is still to come.
     pub fn is_open(&self, until: &Anchor) -> bool {
         self.open_from.is_some() && self.point(until).is_err()

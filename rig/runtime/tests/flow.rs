@@ -373,3 +373,30 @@ fn what_comes_at_the_limit_of_a_wait_comes_in_time() {
         assert_eq!(record.verdict, expected, "{within}: {}", record.reason);
     }
 }
+
+/// What is lost early is said in the words of the whole case; what was not finished is not judged.
+#[test]
+fn a_case_that_ends_at_a_lost_claim_has_the_verdict_of_the_whole_case() {
+    let interrupt = AtomicBool::new(false);
+    let whole = RunOptions::new(ClockKind::Virtual, &interrupt);
+    let fast = RunOptions { fail_fast: true, ..RunOptions::new(ClockKind::Virtual, &interrupt) };
+    let plan = format!(
+        "{USUAL}expect = [
+        {{ name = \"shut\", stays = {{ signal = \"valve\", is = false, from = \"open\", until = \"open + 50 ms\" }} }},
+        {{ name = \"falls\", falls = {{ signal = \"button\", from = \"open\" }} }},
+        {{ name = \"begun\", rises = {{ signal = \"button\", from = \"main\" }} }},
+        {{ name = \"later\", edges = {{ signal = \"stop\", rising = 0, from = \"main + 500 ms\" }} }},
+        ]
+        measure = [{{ name = \"open\", value-of = \"valve\", take = \"mean\", from = \"main\", max = 1 }}]\n"
+    );
+    let all = &run_with(&plan, "", &whole).record;
+    let early = &run_with(&plan, "", &fast).record;
+    assert_eq!((all.verdict, early.verdict), (Verdict::Fail, Verdict::Fail));
+    assert_eq!(early.ended, "a claim was lost");
+    assert_eq!(claim(all, "shut"), claim(early, "shut"));
+    assert_eq!(all.reason, early.reason);
+    assert_eq!(claim(early, "begun").0, Verdict::Pass);
+    let not_judged = (Verdict::Inconclusive, "not judged: the case was ended when another claim was lost");
+    assert_eq!(claim(early, "later"), not_judged);
+    assert_eq!((early.measurements[0].verdict, early.measurements[0].reason.as_str()), not_judged);
+}

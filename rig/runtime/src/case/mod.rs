@@ -24,7 +24,7 @@ use crate::executor::{Executor, ExecutorLimits, ExecutorReport, Parts};
 use crate::hardware::{Hardware, in_virtual_time};
 use crate::prepare::{NOT_PROMISED, PreparedCase};
 use crate::scan_port::{self, ScanPort};
-use crate::schedule::case_ending::CaseEnding;
+use crate::schedule::case_ending::{CaseEnding, EarlyEnd};
 use crate::suite::case_files::CaseFiles;
 
 use crate::case::test_setup::{TestSetup, set_up};
@@ -331,6 +331,9 @@ fn run_here(
         fault: ran.fault.as_ref().map(|fault| fault.show(board.channels()).to_string()),
     };
     ending.write_to(&mut trace);
+    if ending.early == Some(EarlyEnd::Claim) {
+        trace.set_note(plans::judge::LOST_NOTE, judge.lost_words());
+    }
     let outcome = judge.finish(When::exactly(ran.end), &trace);
     verdict(&mut record, outcome.map_err(|error| error.to_string()), &ending, &case.expected_states());
     finish(&mut record, &ran, late, &schedule, &*subject, &trace);

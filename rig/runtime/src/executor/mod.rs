@@ -363,7 +363,7 @@ impl<'a> Executor<'a> {
         if self.parts.interrupt.load(Ordering::Relaxed) {
             return Err(RigFault::Interrupted);
         }
-        if self.limits.fail_fast && self.parts.recorder.failed_early() {
+        if self.limits.fail_fast && self.parts.recorder.failed_early(self.now) {
             self.parts.schedule.end_early(EndReason::Claim, self.now);
             return Ok(false);
         }

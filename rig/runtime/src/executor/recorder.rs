@@ -1,7 +1,7 @@
 //! What is seen goes into the trace, and from the trace to the judge.
 
 use plans::judge::CaseJudge;
-use signal::{Cause, Event, SignalId, Span, Trace, TraceError, Value, When};
+use signal::{Cause, Event, SignalId, Span, Time, Trace, TraceError, Value, When};
 
 /// The trace of a case as it grows, with the judge that follows it.
 #[derive(Debug)]
@@ -67,8 +67,9 @@ impl Recorder {
         &self.trace
     }
 
-    /// Whether some claim is lost already.
-    pub fn failed_early(&mut self) -> bool {
+    /// Whether some claim is lost already, in a case that has come to `now`.
+    pub fn failed_early(&mut self, now: Time) -> bool {
+        self.judge.reach(now);
         self.judge.failed_early()
     }
 
