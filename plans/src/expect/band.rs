@@ -24,6 +24,8 @@ pub(super) struct FigureBand {
     pub(super) min: f64,
     pub(super) max: f64,
     pub(super) unit: &'static str,
+    /// What no figure of this kind is below or above: a limit there is none.
+    natural: (f64, f64),
     words: ValueCondition,
 }
 
@@ -81,7 +83,13 @@ impl FigureBand {
             }
             ValueTest::HighZ | ValueTest::Not(_) => return None,
         };
-        Some(FigureBand { min, max, unit, words })
+        let natural = (f64::NEG_INFINITY, f64::INFINITY);
+        Some(FigureBand { min, max, unit, natural, words })
+    }
+
+    /// The same for a figure that is never below the first or above the second of these.
+    pub(super) fn of_kind(self, natural: (f64, f64)) -> FigureBand {
+        FigureBand { natural, ..self }
     }
 
     /// Whether a figure of this interval can be inside, and whether it can be outside.
@@ -89,9 +97,12 @@ impl FigureBand {
         (low <= self.max && high >= self.min, !(low >= self.min && high <= self.max))
     }
 
-    /// Distance to the nearest limit in the worst case, negative outside.
-    pub(super) fn margin(&self, (low, high): (f64, f64)) -> f64 {
-        (low - self.min).min(self.max - high)
+    /// Distance to the nearest limit in the worst case, negative outside; `None` where there is no limit, or the distance is not
+    /// known.
+    pub(super) fn margin(&self, (low, high): (f64, f64)) -> Option<f64> {
+        let above = (self.min > self.natural.0).then(|| low - self.min);
+        let below = (self.max < self.natural.1).then(|| self.max - high);
+        above.into_iter().chain(below).reduce(f64::min).filter(|margin| margin.is_finite())
     }
 
     /// What is wrong with a figure that is nowhere inside.

@@ -11,7 +11,7 @@ use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
 use signal::{SignalInfo, Value};
 
-use super::common::{FROM, LONGER, PlanWindow, SIGNAL, UNTIL, count_range, counts, signal};
+use super::common::{FROM, LONGER, PlanWindow, SIGNAL, UNTIL, count_margin, count_range, counts, signal};
 use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::codes;
 use crate::lang::Anchor;
@@ -252,11 +252,7 @@ impl EdgesMonitor {
             part(self.claim.falling.is_some(), falling, "falling"),
         ];
         let parts: Vec<String> = parts.into_iter().flatten().collect();
-        let margin = |range: Option<Range>, seen: Range| {
-            let (least, most) = range?;
-            let low = seen.0 as f64 - least as f64;
-            Some(if most == u64::MAX { low } else { low.min(most as f64 - seen.1 as f64) })
-        };
+        let margin = |range: Option<Range>, seen: Range| count_margin(seen, range?);
         let margins = [margin(self.claim.rising, rising), margin(self.claim.falling, falling)];
         let margin = margins.into_iter().flatten().reduce(f64::min);
         let spread = (rising.1 - rising.0).max(falling.1 - falling.0);

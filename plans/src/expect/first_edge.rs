@@ -21,7 +21,7 @@ use crate::lang::Anchor;
 use crate::monitor::edges::{CountedEdge, Delay, EdgeFinder, FirstEdge, FoundEdge, LAST};
 use crate::monitor::{
     CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, UncertainInstant,
-    UnseenPulses, slack,
+    UnseenPulses, slack, span_margin,
 };
 
 /// How late the edge may be.
@@ -298,9 +298,7 @@ impl FirstEdgeMonitor {
             }
         };
         if let Some((least, most)) = delay.delay {
-            let low = least.saturating_sub(self.limits.0);
-            let high = self.limits.1.saturating_sub(most);
-            let margin = if self.claim.within.is_some() { Some(low.min(high)) } else { None };
+            let margin = self.claim.within.and_then(|_| span_margin((least, most), self.limits));
             finding.margin = margin.map(|margin| Figure::span(Span::from_nanos(margin)));
             finding.uncertainty = width((least, most));
         }

@@ -13,7 +13,8 @@ use record::Figure;
 use signal::{SignalInfo, Span, ValueKind};
 
 use super::common::{
-    FROM, PlanWindow, SingleSpan, SpanLimits, UNTIL, count_range, counts, signal, span_range, spans, width,
+    FROM, PlanWindow, SingleSpan, SpanLimits, UNTIL, count_margin, count_range, counts, signal, span_range,
+    spans, width,
 };
 use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::codes;
@@ -274,8 +275,6 @@ impl FramesMonitor {
         let inside = counted.counts.iter().all(|(n, _)| (least..=most).contains(n));
         let noun = if seen == (1, 1) { "frame" } else { "frames" };
         let observed = format!("{} {noun}", count_range(seen));
-        let low = seen.0 as f64 - least as f64;
-        let margin = if most == u64::MAX { low } else { low.min(most as f64 - seen.1 as f64) };
         let finding = Finding {
             can_hold,
             can_break: counted.hidden || !counted.exact || !inside,
@@ -287,7 +286,7 @@ impl FramesMonitor {
                 ),
             },
             observed,
-            margin: Some(Figure::new(margin, "frames")),
+            margin: count_margin(seen, (least, most)).map(|margin| Figure::new(margin, "frames")),
             uncertainty: (seen.0 < seen.1).then(|| Figure::new((seen.1 - seen.0) as f64, "frames")),
             ..Finding::default()
         };
@@ -315,7 +314,7 @@ impl FramesMonitor {
         let extent = spread.extent.unwrap_or(deciding.extent);
         let noun = if spread.count == 1 { "distance" } else { "distances" };
         finding.observed = format!("{} {noun}, {}", spread.count, span_range(extent));
-        finding.margin = Some(Figure::span(Span::from_nanos(deciding.margin)));
+        finding.margin = deciding.margin.map(|margin| Figure::span(Span::from_nanos(margin)));
         finding.uncertainty = width(deciding.extent);
         finding.reason = match (spread.can_hold, spread.doubtful) {
             (false, _) => format!("a distance of {}", span_range(deciding.extent)),

@@ -18,6 +18,7 @@ use crate::lang::{Anchor, AnchorBase};
 use crate::monitor::edges::{FirstEdge, FoundEdge};
 use crate::monitor::{
     CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, UncertainInstant,
+    span_margin,
 };
 
 /// `happens`.
@@ -142,8 +143,8 @@ impl Monitor for HappensMonitor {
         let between = (came.a.saturating_sub(self.from.b), came.b.saturating_sub(self.from.a));
         finding.observed = format!("it came {}", delay_words(between, from));
         (finding.can_hold, finding.can_break) = (delay.can_hold, delay.can_break());
-        let margin = (between.0.saturating_sub(self.limits.0)).min(self.limits.1.saturating_sub(between.1));
-        finding.margin = Some(Figure::span(Span::from_nanos(margin)));
+        let margin = span_margin(between, self.limits);
+        finding.margin = margin.map(|margin| Figure::span(Span::from_nanos(margin)));
         finding.uncertainty = width(between);
         finding.reason = match finding.can_hold {
             true => String::from("the uncertainty of the instants reaches over a limit"),

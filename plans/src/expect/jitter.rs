@@ -81,7 +81,7 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceCl
     let signal = signal(fields, "signal", cx);
     let between = PlanWindow::read(fields, cx);
     let asked = asked(fields, cx);
-    let band = FigureBand::read(fields, "jitter", "ns", cx)?;
+    let band = FigureBand::read(fields, "jitter", "ns", cx)?.of_kind((0.0, f64::INFINITY));
     if band.max < 0.0 || band.min <= 0.0 && band.max == f64::INFINITY {
         let message = "a jitter is never below 0";
         cx.out.error(
@@ -245,7 +245,7 @@ fn finding(
     finding.can_break |= can_break;
     let edges = count_range(found.edges);
     finding.observed = format!("{} over {edges} edges", shown(extent, claim.band.unit));
-    finding.margin = Some(Figure::new(claim.band.margin(extent), claim.band.unit));
+    finding.margin = claim.band.margin(extent).map(|margin| Figure::new(margin, claim.band.unit));
     let spread = extent.1 - extent.0;
     finding.uncertainty = (spread > 0.0 && spread.is_finite()).then(|| Figure::new(spread, claim.band.unit));
     finding.reason = if finding.can_hold { unclear() } else { claim.band.miss(extent) };

@@ -277,11 +277,13 @@ impl Common {
         finding.reason = self.reason(&kept);
         finding.margin = self.margin(&kept, extreme);
         if let Some(breach) = kept.worst {
-            finding.deciding = Some(crate::monitor::clipped(breach.start.0, breach.start.1));
+            let (a, b) = breach.value_start;
+            finding.deciding = Some(crate::monitor::clipped(a, b));
             finding.cause = Some(breach.cause);
-            finding.uncertainty = width(breach.start).filter(|_| breach.start.0 != i64::MIN);
+            finding.uncertainty = width(breach.value_start);
         } else if let Some((_, seen)) = extreme {
-            finding = finding.decided_by(&seen);
+            let (a, b) = self.segments.inside((seen.a, seen.b));
+            finding = finding.decided_by(&TimedValue { a, b, ..seen });
         }
         if let (Some((_, seen)), [one]) = (extreme, self.watched.as_slice()) {
             let known = super::common::within(seen.value.uncertainty(), one.slack, &one.info);
@@ -317,15 +319,19 @@ impl Common {
                 String::from("the value is not known throughout")
             }
             Some(breach) => {
-                let lasting = lasts(breach.start, breach.value_end);
+                let lasting = lasts(breach.value_start, breach.value_end);
                 let all = match breach.value_end == breach.end {
                     true => String::new(),
-                    false => format!("; out of range {}", lasts(breach.start, breach.end)),
+                    false => format!("; out of range {}", lasts(breach.value_start, breach.end)),
                 };
                 let from = &self.claim.between.from;
                 let point = &self.segments.window().from;
-                let delay = (breach.start.0.saturating_sub(point.b), breach.start.1.saturating_sub(point.a));
-                let when = super::common::delay_words(delay, from);
+                let (first, last) = breach.value_start;
+                let delay = (first.saturating_sub(point.b), last.saturating_sub(point.a));
+                let when = match delay.1 {
+                    0 => format!("{from} on"),
+                    _ => super::common::delay_words(delay, from),
+                };
                 format!("{} {lasting}, from {when}{all}", self.show(breach.value))
             }
         }

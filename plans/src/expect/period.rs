@@ -187,7 +187,7 @@ impl Monitor for PeriodMonitor {
         };
         let extent = spread.extent.unwrap_or(deciding.extent);
         finding.observed = format!("{} distances, {}", spread.count, span_range(extent));
-        finding.margin = Some(Figure::span(Span::from_nanos(deciding.margin)));
+        finding.margin = deciding.margin.map(|margin| Figure::span(Span::from_nanos(margin)));
         finding.uncertainty = width(deciding.extent);
         let from = &self.window.from;
         let delay = (deciding.seen.a.saturating_sub(from.b), deciding.seen.b.saturating_sub(from.a));

@@ -239,7 +239,7 @@ impl PhaseMonitor {
             can_break |= breaks;
             let all = self.answer.extent;
             self.answer.extent = Some(all.map_or(extent, |old| (old.0.min(extent.0), old.1.max(extent.1))));
-            let margin = self.claim.band.margin(extent);
+            let margin = self.claim.band.margin(extent).unwrap_or(f64::INFINITY);
             if self.answer.deciding.is_none_or(|(least, ..)| margin < least) {
                 self.answer.deciding = Some((margin, extent, *edge));
             }

@@ -177,7 +177,7 @@ impl Monitor for PositionMonitor {
             can_hold: open || can_hold,
             can_break: open || can_break,
             observed: format!("changed by {}", shown(extent, "")),
-            margin: Some(Figure::new(claim.band.margin(extent), "")),
+            margin: claim.band.margin(extent).map(|margin| Figure::new(margin, "")),
             uncertainty: (extent.0 < extent.1).then(|| Figure::new(extent.1 - extent.0, "")),
             window: Some(window.shown()),
             ..Finding::default()

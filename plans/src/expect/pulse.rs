@@ -202,7 +202,8 @@ fn finding(
         false => span_range(deciding.extent),
     };
     finding.observed = format!("a {noun} of {lasting}, {}", delay_words(delay, &claim.between.from));
-    finding.margin = Some(Figure::span(Span::from_nanos(deciding.margin))).filter(|_| !unfinished);
+    let margin = deciding.margin.filter(|_| !unfinished);
+    finding.margin = margin.map(|margin| Figure::span(Span::from_nanos(margin)));
     finding.uncertainty = width(deciding.extent).filter(|_| !unfinished);
     finding.reason = match (spread.can_hold, spread.doubtful) {
         (false, _) if deciding.extent.1 < claim.width.0 => {

@@ -93,7 +93,10 @@ struct Rate {
 fn read(fields: &Fields<'_>, kind: RateKind, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceClaim>> {
     let signal = signal(fields, "signal", cx);
     let between = PlanWindow::read(fields, cx);
-    let band = FigureBand::read(fields, kind.noun(), kind.unit(), cx)?;
+    let band = FigureBand::read(fields, kind.noun(), kind.unit(), cx)?.of_kind(match kind {
+        RateKind::Frequency => (0.0, f64::INFINITY),
+        RateKind::Duty => (0.0, 100.0),
+    });
     let by_falls = fields.text("edge") == Some("falls");
     let longer_than = fields.duration(LONGER.name);
     Some(Arc::new(Rate { signal: signal?, kind, by_falls, band, between: between?, longer_than }))
@@ -195,7 +198,7 @@ fn finding(claim: &Rate, info: &SignalInfo, window: &UncertainWindow, found: Cyc
     let count = super::common::count_range(cycles);
     let noun = if cycles.1 == 1 { "cycle" } else { "cycles" };
     finding.observed = format!("{} over {count} {noun}", shown(extent, claim.band.unit));
-    finding.margin = Some(Figure::new(claim.band.margin(extent), claim.band.unit));
+    finding.margin = claim.band.margin(extent).map(|margin| Figure::new(margin, claim.band.unit));
     let spread = extent.1 - extent.0;
     finding.uncertainty = (spread > 0.0).then(|| Figure::new(spread, claim.band.unit));
     finding.reason = if finding.can_hold { unclear() } else { claim.band.miss(extent) };

@@ -296,7 +296,7 @@ impl Monitor for SettlesMonitor {
         }
         match (kept.worst, self.entered) {
             (Some(breach), _) if !unknown => {
-                finding.deciding = Some(crate::monitor::clipped(breach.start.0, breach.start.1));
+                finding.deciding = Some(crate::monitor::clipped(breach.value_start.0, breach.value_start.1));
                 finding.cause = Some(breach.cause);
                 finding
             }

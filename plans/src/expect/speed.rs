@@ -127,7 +127,7 @@ impl Monitor for SpeedMonitor {
             (low, high) => format!("{low} .. {high}"),
         };
         finding.observed = format!("{}, {counts} in all", shown(found.speed, UNIT));
-        finding.margin = Some(Figure::new(band.margin(found.speed), UNIT));
+        finding.margin = band.margin(found.speed).map(|margin| Figure::new(margin, UNIT));
         let spread = found.speed.1 - found.speed.0;
         finding.uncertainty = (spread > 0.0).then(|| Figure::new(spread, UNIT));
         finding.reason = match finding.can_hold {

@@ -6,6 +6,8 @@
 
 use std::collections::VecDeque;
 
+use signal::Value;
+
 use crate::monitor::{Finding, Monitor, TimedValue, Truth};
 
 use super::keeps::Common;
@@ -87,10 +89,13 @@ impl OverlapMonitor {
         for place in 0..self.sides[at].stretches.len() {
             let other = self.sides[at].stretches[place];
             let Some(other_end) = other.end else { continue };
+            let both = known && other.known;
+            let last = if other.start.place > start.place { other.start } else { start };
             let later = TimedValue {
                 a: start.a.max(other.start.a),
                 b: start.b.max(other.start.b),
-                ..if other.start.place > start.place { other.start } else { start }
+                value: if both { last.value } else { Value::Unknown },
+                ..last
             };
             let earlier = (end.0.min(other_end.0), end.1.min(other_end.1));
             if later.a < earlier.1 {

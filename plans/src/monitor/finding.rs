@@ -55,6 +55,14 @@ impl Finding {
     }
 }
 
+/// How far inside its limits a time of this interval is in the worst placement, nanoseconds; negative outside. A time is never
+/// below 0, so 0 is no least limit, and there may be no greatest one.
+pub(crate) fn span_margin(extent: (i64, i64), limits: (i64, i64)) -> Option<i64> {
+    let above = (limits.0 > 0).then(|| extent.0.saturating_sub(limits.0));
+    let below = (limits.1 < i64::MAX).then(|| limits.1.saturating_sub(extent.1));
+    above.into_iter().chain(below).min()
+}
+
 /// An interval for display: what is beyond all time is held at the origin of the trace or the known end.
 pub(crate) fn clipped(a: i64, b: i64) -> When {
     let b = if b == i64::MIN { 0 } else { b };
@@ -68,7 +76,8 @@ impl UncertainWindow {
     pub fn shown(&self) -> Shown {
         Shown {
             from_ns: [self.from.a, self.from.b],
-            until_ns: [self.until.a, self.until.b],
+            // An end that is still to come has no latest instant.
+            until_ns: [self.until.a, if self.until.b == i64::MAX { self.until.a } else { self.until.b }],
             limit_from_ns: None,
             limit_until_ns: None,
         }

@@ -32,7 +32,7 @@ mod value_test;
 
 pub(crate) use anchors::Anchors;
 pub use finding::Finding;
-pub(crate) use finding::clipped;
+pub(crate) use finding::{clipped, span_margin};
 pub use instants::{TimedValue, UncertainInstant, UncertainWindow};
 pub(crate) use pulse_filter::PulseFilter;
 pub(crate) use timeline::lag;

@@ -50,15 +50,16 @@ pub struct DecidingFigure {
     pub seen: TimedValue,
     /// Least and greatest value, nanoseconds.
     pub extent: (i64, i64),
-    /// Distance to the nearest limit in the worst placement, nanoseconds; negative outside.
-    pub margin: i64,
+    /// Distance to the nearest limit in the worst placement, nanoseconds; negative outside. `None` where there is no limit.
+    pub margin: Option<i64>,
 }
 
 impl Spread {
     fn note(&mut self, seen: &TimedValue, extent: (i64, i64), limits: (i64, i64)) {
         self.extent = Some(self.extent.map_or(extent, |old| (old.0.min(extent.0), old.1.max(extent.1))));
-        let margin = extent.0.saturating_sub(limits.0).min(limits.1.saturating_sub(extent.1));
-        if self.deciding.is_none_or(|old| margin < old.margin) {
+        let margin = super::span_margin(extent, limits);
+        let nearness = |margin: Option<i64>| margin.unwrap_or(i64::MAX);
+        if self.deciding.is_none_or(|old| nearness(margin) < nearness(old.margin)) {
             self.deciding = Some(DecidingFigure { seen: *seen, extent, margin });
         }
     }

@@ -16,8 +16,10 @@ pub struct Breach {
     pub start: (i64, i64),
     /// Earliest and latest end, nanoseconds; `i64::MAX` for one that lasts.
     pub end: (i64, i64),
-    /// The value with which it began.
+    /// The value with which it began, or which it had come to when the window began.
     pub value: Value,
+    /// Earliest and latest instant from which it had this value in the window, nanoseconds.
+    pub value_start: (i64, i64),
     /// Earliest and latest end of that value, which another one of the segment may follow.
     pub value_end: (i64, i64),
     /// Who began it.
@@ -43,7 +45,9 @@ pub struct SegmentJudgement {
     window: UncertainWindow,
     class: Truth,
     since: TimedValue,
-    /// When the first value of the segment gave way to another one of it.
+    /// The value that the segment is shown by: of those that it has in the window the first.
+    shown: TimedValue,
+    /// When that value gave way to another one of it.
     second: Option<(i64, i64)>,
     /// The earliest end of the last forbidden segment.
     free_from: i64,
@@ -61,6 +65,7 @@ impl SegmentJudgement {
             window,
             class: Truth::Unknown,
             since: TimedValue::NOTHING,
+            shown: TimedValue::NOTHING,
             second: None,
             free_from: i64::MIN,
             can_hold: false,
@@ -74,7 +79,9 @@ impl SegmentJudgement {
     #[inline]
     pub fn change(&mut self, class: Truth, seen: &TimedValue) {
         if class == self.class {
-            if class == Truth::False && self.second.is_none() && seen.value != self.since.value {
+            if class == Truth::False && seen.b <= self.window.from.a {
+                self.shown = *seen;
+            } else if class == Truth::False && self.second.is_none() && seen.value != self.shown.value {
                 self.second = Some((seen.a, seen.b));
             }
             return;
@@ -85,6 +92,7 @@ impl SegmentJudgement {
         }
         self.class = class;
         self.since = *seen;
+        self.shown = *seen;
         self.second = None;
     }
 
@@ -103,19 +111,25 @@ impl SegmentJudgement {
         }
         let weight = match class {
             Truth::False if self.window.must_meet(start.b, end.0) => Weight::Certain,
+            _ if matches!(start.value, Value::Unknown) => Weight::Unknown,
             _ => Weight::Possible,
         };
         self.doomed |= weight == Weight::Certain;
         if self.worst.is_none_or(|worst| weight > worst.weight) {
-            let start_at = (start.a, start.b);
-            let (value, cause) = (start.value, start.cause);
-            self.worst = Some(Breach { start: start_at, end, value, value_end: end, cause, weight });
+            let (value, cause, value_start) = (start.value, start.cause, self.inside((start.a, start.b)));
+            let start = (start.a, start.b);
+            self.worst = Some(Breach { start, end, value, value_start, value_end: end, cause, weight });
         }
     }
 
     /// Whether something forbidden that began at `start` at the latest and lasts at `now` decides.
     pub fn would_lose(&self, start: i64, now: i64) -> bool {
         self.window.must_meet(start, now)
+    }
+
+    /// An instant as far as it lies in the window: not before its beginning.
+    pub fn inside(&self, at: (i64, i64)) -> (i64, i64) {
+        (at.0.max(self.window.from.a), at.1.max(self.window.from.a))
     }
 
     fn close(&mut self, end: (i64, i64)) {
@@ -133,9 +147,10 @@ impl SegmentJudgement {
                 _ => Weight::Unknown,
             };
             if self.worst.is_none_or(|worst| weight > worst.weight) {
-                let (value, cause) = (self.since.value, self.since.cause);
+                let (value, cause) = (self.shown.value, self.shown.cause);
+                let value_start = self.inside((self.shown.a, self.shown.b));
                 let value_end = self.second.unwrap_or(end);
-                self.worst = Some(Breach { start, end, value, value_end, cause, weight });
+                self.worst = Some(Breach { start, end, value, value_start, value_end, cause, weight });
             }
         } else if self.class == Truth::False {
             let before = self.window.from.a.saturating_sub(end.1);
