@@ -111,10 +111,12 @@ impl CsvTable {
         }
         let mut before: Option<(i64, i64)> = None;
         let mut first = None;
-        let mut steps = Steps::default();
+        let (mut steps, mut written) = (Steps::default(), 0);
         for (at, row) in rows {
             let mut cells = row.split(self.separator);
-            let now = self.instant(*at, cells.next().unwrap_or_default())?;
+            let stamp = self.plain(cells.next().unwrap_or_default());
+            let now = self.instant(*at, &stamp)?;
+            written = written.max(decimals(&stamp));
             if before.is_some_and(|before| now.0 < before.0) {
                 return Err(CaptureError::line(*at, "time runs backwards", "put the rows in order of time"));
             }
@@ -133,15 +135,25 @@ impl CsvTable {
             return Err(CaptureError::whole("the table has no rows", "a capture has one row at least"));
         };
         shape(&mut builder);
-        let CaptureBuilder { channels, changes, .. } = builder;
+        let CaptureBuilder { channels, mut changes, .. } = builder;
+        if steps.none {
+            // Two rows of one instant say that instants are rounded to what is written of them.
+            let unit = unit_of(self.power, written);
+            for change in changes.iter_mut().filter(|change| change.at.latest.as_nanos() > first) {
+                let earliest = change.at.earliest.saturating_add(-unit);
+                change.at = When::within(
+                    earliest.max(Time::from_nanos(first)),
+                    change.at.latest.saturating_add(unit),
+                );
+            }
+        }
         let knowledge = Knowledge::Sampled(period.unwrap_or(Span::from_nanos(steps.widest)));
         let span = [Time::from_nanos(first), Time::from_nanos(last.1)];
         Ok(Capture { channels, changes, knowledge, span, notes: Vec::new() })
     }
 
     fn instant(&self, at: u64, cell: &str) -> Result<(i64, i64), CaptureError> {
-        let cell = self.plain(cell);
-        let found = match Decimal::split(&cell) {
+        let found = match Decimal::split(cell) {
             Ok((number, "")) => nanos(number, self.power),
             _ => None,
         };
@@ -191,14 +203,29 @@ impl CsvTable {
 #[derive(Default)]
 struct Steps {
     widest: i64,
+    /// Two rows have one instant.
+    none: bool,
 }
 
 impl Steps {
     fn step(&mut self, before: Option<(i64, i64)>, now: (i64, i64)) {
         if let Some(before) = before {
             self.widest = self.widest.max(now.1.saturating_sub(before.0));
+            self.none |= now == before;
         }
     }
+}
+
+/// How many digits a number has after its point.
+fn decimals(number: &str) -> u32 {
+    let digits = number.split_once('.').map_or("", |(_, digits)| digits);
+    digits.chars().take_while(char::is_ascii_digit).count() as u32
+}
+
+/// One unit of the last of so many decimals, where whole ones are `10^power` seconds.
+fn unit_of(power: i32, decimals: u32) -> Span {
+    let digits = power + 9 - i32::try_from(decimals).unwrap_or(i32::MAX).min(100);
+    Span::from_nanos(u32::try_from(digits).map_or(1, |digits| 10_i64.saturating_pow(digits)))
 }
 
 fn value(cell: &str) -> Option<Value> {

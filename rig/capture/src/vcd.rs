@@ -1,6 +1,6 @@
 //! Value change dumps.
 //!
-//! A change at a timestamp lies within the timescale before it; within the time between two samples where the file
+//! A change at a timestamp lies within the timescale before or after it; within the time between two samples where the file
 //! (sigrok's comment) or the user says it. A dump of the rig itself says in comments what its trace knew.
 
 use crate::builder::{CaptureBuilder, FEWER, too_many_changes, too_many_channels};
@@ -186,6 +186,10 @@ impl VcdReader {
         for change in &mut changes {
             // At the first instant nothing is known of what was before.
             if change.at.latest > first {
+                // One tool rounds an instant to its timestamp, another cuts off what is less.
+                if let Knowledge::Edges(width) = knowledge {
+                    change.at.latest = change.at.latest.saturating_add(width);
+                }
                 let earliest = change.at.earliest.as_nanos().saturating_sub(widths[change.channel as usize]);
                 change.at.earliest = Time::from_nanos(earliest.max(first.as_nanos()));
             }
