@@ -20,7 +20,7 @@ use crate::meaning::number;
 use crate::monitor::reading::{Candidate, ValueReader};
 use crate::monitor::{
     CaseTimeline, Finding, Monitor, NotJudged, Number, PulseRule, TimedValue, TraceSignals, Truth,
-    UncertainInstant, slack,
+    UncertainInstant, differs_at_most, slack,
 };
 
 /// `equal`.
@@ -223,17 +223,15 @@ fn together(left: &Candidate, right: &Candidate, link: Option<i64>) -> bool {
 
 /// How far apart two numbers are, and whether that is within the limit.
 pub(super) fn close(a: Number, b: Number, limit: Number, slack: f64) -> (f64, Truth) {
-    if let (Number::Int(a), Number::Int(b), Number::Int(limit)) = (a, b, limit)
-        && slack == 0.0
-    {
-        let apart = a.abs_diff(b);
-        return (apart as f64, Truth::of(apart <= limit.unsigned_abs()));
-    }
-    let (apart, limit) = ((a.as_real() - b.as_real()).abs(), limit.as_real());
-    let truth = match apart {
-        apart if apart + slack <= limit => Truth::True,
-        apart if apart - slack <= limit && slack > 0.0 => Truth::Unknown,
-        _ => Truth::False,
+    let within = |off: f64| differs_at_most(a, b, off, limit) && differs_at_most(b, a, off, limit);
+    let truth = match (within(slack), slack > 0.0 && within(-slack)) {
+        (true, _) => Truth::True,
+        (false, true) => Truth::Unknown,
+        (false, false) => Truth::False,
+    };
+    let apart = match (a, b) {
+        (Number::Int(a), Number::Int(b)) => a.abs_diff(b) as f64,
+        (a, b) => (a.as_real() - b.as_real()).abs(),
     };
     (apart, truth)
 }

@@ -21,6 +21,8 @@ pub(super) struct LimitNumbers {
     max: Option<f64>,
     nominal: Option<f64>,
     tolerance: Option<f64>,
+    /// A limit is a whole number that no float is.
+    rounded: bool,
 }
 
 impl LimitNumbers {
@@ -29,11 +31,15 @@ impl LimitNumbers {
     /// # Errors
     /// Why a limit means nothing, one sentence.
     pub(super) fn new(limits: &MeasurementLimits, info: &SignalInfo) -> Result<LimitNumbers, String> {
-        let bind = |limit: &Option<Literal>| {
-            limit.as_ref().map(|one| number(one, info).map(Number::as_real)).transpose()
+        let bind = |limit: &Option<Literal>| limit.as_ref().map(|one| number(one, info)).transpose();
+        let (min, max) = (bind(&limits.min)?, bind(&limits.max)?);
+        let rounded = |limit: Option<Number>| limit.is_some_and(|limit| limit.reals().0 < limit.reals().1);
+        let mut bounds = LimitNumbers {
+            min: min.map(Number::as_real),
+            max: max.map(Number::as_real),
+            rounded: rounded(min) || rounded(max),
+            ..LimitNumbers::default()
         };
-        let mut bounds =
-            LimitNumbers { min: bind(&limits.min)?, max: bind(&limits.max)?, ..LimitNumbers::default() };
         if let Some((nominal, tolerance)) = &limits.nominal {
             let around = ToleranceBand::new(nominal, tolerance, info)?;
             bounds.nominal = Some(around.middle.as_f64());
@@ -55,7 +61,12 @@ impl LimitNumbers {
     fn hold(&self, low: f64, high: f64) -> (bool, bool) {
         let min = self.min.unwrap_or(f64::NEG_INFINITY);
         let max = self.max.unwrap_or(f64::INFINITY);
-        (low <= max && high >= min, !(low >= min && high <= max))
+        let around = |limit: f64| match self.rounded {
+            true => (limit.next_down(), limit.next_up()),
+            false => (limit, limit),
+        };
+        let (min, max) = (around(min), around(max));
+        (low <= max.1 && high >= min.0, !(low >= min.1 && high <= max.0))
     }
 
     fn margin(&self, low: f64, high: f64) -> Option<f64> {
@@ -247,10 +258,11 @@ impl Gauge {
                 let slack = slack(&info);
                 let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
                 for candidate in &candidates {
-                    match candidate.seen.value.as_real().filter(|real| !real.is_nan()) {
-                        Some(real) => {
+                    let reals = Number::of(candidate.seen.value).map(Number::reals);
+                    match reals.filter(|(low, _)| !low.is_nan()) {
+                        Some((least, most)) => {
                             let slack = slack + candidate.seen.value.uncertainty();
-                            (low, high) = (low.min(real - slack), high.max(real + slack));
+                            (low, high) = (low.min(least - slack), high.max(most + slack));
                         }
                         None => {
                             record.verdict = Verdict::Inconclusive;

@@ -1,12 +1,12 @@
 //! The least and the greatest value of a signal in a window, and its mean over the time.
 //!
 //! A value that lies in the window in every placement counts for certain, one that lies there in some counts as
-//! possible. A number that was measured counts with all that it may be. The mean weighs each value with the time that it certainly lasts in the window; what is left of the
+//! possible. A number that was measured counts with all that it may be, a whole one that no float is with the floats beside it. The mean weighs each value with the time that it certainly lasts in the window; what is left of the
 //! window may have any of the possible values.
 
 use signal::Value;
 
-use super::{TimedValue, UncertainWindow};
+use super::{Number, TimedValue, UncertainWindow};
 
 /// Follows the values of one window.
 #[derive(Clone, Debug)]
@@ -81,13 +81,15 @@ impl Extremes {
         }
         let number = match seen.value {
             Value::Unknown | Value::HighZ => None,
-            value => value.as_real().filter(|number| number.is_finite()),
+            value => {
+                Number::of(value).map(Number::reals).filter(|(low, high)| low.is_finite() && high.is_finite())
+            }
         };
-        let Some(number) = number else {
+        let Some((low, high)) = number else {
             self.unknown = true;
             return;
         };
-        let (low, high) = (number - seen.value.uncertainty(), number + seen.value.uncertainty());
+        let (low, high) = (low - seen.value.uncertainty(), high + seen.value.uncertainty());
         let widened = |range: Option<(f64, f64)>, (low, high): (f64, f64)| match range {
             Some((least, most)) => (least.min(low), most.max(high)),
             None => (low, high),

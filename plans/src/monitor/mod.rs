@@ -38,6 +38,7 @@ pub(crate) use pulse_filter::PulseFilter;
 pub(crate) use timeline::lag;
 pub use timeline::{CaseTimeline, NotJudged, TraceSignals};
 pub use unseen::{PulseRule, UnseenPulses};
+pub(crate) use value_test::differs_at_most;
 pub use value_test::{Number, Truth, ValueTest, slack};
 
 /// Follows the signals of one claim and comes to a finding.

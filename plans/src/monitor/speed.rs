@@ -44,7 +44,10 @@ impl SpeedFollower {
         let SpeedFollower { window, from, until } = self;
         let until = until.finish();
         let last = until.last().map(|candidate| candidate.seen);
-        let (begin, end) = (extent(&from.finish(), slack)?, extent(&until, slack)?);
+        let from = from.finish();
+        // Counted from one of them, so that large numbers differ as exactly as small ones.
+        let origin = from.iter().find_map(|candidate| candidate.seen.value.as_int()).unwrap_or(0);
+        let (begin, end) = (extent(&from, origin, slack)?, extent(&until, origin, slack)?);
         let change = (end.0 - begin.1, end.1 - begin.0);
         let length = match window.link {
             Some(length) => (length, length),
@@ -65,12 +68,15 @@ impl SpeedFollower {
     }
 }
 
-/// Least and greatest number of some candidates; `None` where one is not known.
-fn extent(candidates: &[Candidate], slack: f64) -> Option<(f64, f64)> {
+/// Least and greatest number of some candidates, less `origin`; `None` where one is not known.
+fn extent(candidates: &[Candidate], origin: i128, slack: f64) -> Option<(f64, f64)> {
     let mut extent: Option<(f64, f64)> = None;
     for candidate in candidates {
         let value = candidate.seen.value;
-        let real = value.as_real().filter(|real| real.is_finite())?;
+        let real = match value.as_int() {
+            Some(count) => (count - origin) as f64,
+            None => value.as_real().filter(|real| real.is_finite())? - origin as f64,
+        };
         let off = slack + value.uncertainty();
         let own = (real - off, real + off);
         extent = Some(extent.map_or(own, |old| (old.0.min(own.0), old.1.max(own.1))));

@@ -62,20 +62,59 @@ impl Number {
         }
     }
 
+    /// The number as a decimal one: of a float, the shortest that is read as it. `None` for infinities and NaN.
+    fn as_decimal(self) -> Option<Decimal> {
+        match self {
+            Number::Int(n) => Some(Decimal::from(n)),
+            Number::Real(r) => Decimal::from_f64(r),
+        }
+    }
+
+    /// Least and greatest float that the number may be: one, where it is exactly that.
+    pub(crate) fn reals(self) -> (f64, f64) {
+        match self {
+            Number::Int(n) => {
+                let near = n as f64;
+                if near as i128 == n { (near, near) } else { (near.next_down(), near.next_up()) }
+            }
+            Number::Real(r) => (r, r),
+        }
+    }
+
     /// `None` only for a NaN.
     fn compare(self, other: Number) -> Option<Ordering> {
         match (self, other) {
             (Number::Int(a), Number::Int(b)) => Some(a.cmp(&b)),
-            (a, b) => a.as_real().partial_cmp(&b.as_real()),
+            (a, b) => match a.as_real().partial_cmp(&b.as_real()) {
+                // Large whole numbers are floats only nearly.
+                Some(Ordering::Equal) => a.as_decimal().zip(b.as_decimal()).map(|(a, b)| a.cmp(&b)),
+                order => order,
+            },
         }
     }
 }
 
+/// Whether `high` less `low`, and `off` more, is at most `limit`. Floats are met as the decimal numbers that they were written
+/// as: 1 less 0.7 is 0.3.
+pub(crate) fn differs_at_most(low: Number, high: Number, off: f64, limit: Number) -> bool {
+    let (reached, most) = (distance(low, high) + off, limit.as_real());
+    let scale = low.as_real().abs() + high.as_real().abs() + off.abs() + most.abs();
+    // What a float cannot be off by.
+    if (reached - most).abs() > scale * 1e-9 || !scale.is_finite() {
+        return reached <= most;
+    }
+    let exact = || {
+        let difference = high.as_decimal()?.minus(low.as_decimal()?)?;
+        Some(difference.plus(Decimal::from_f64(off)?)? <= limit.as_decimal()?)
+    };
+    exact().unwrap_or(reached <= most)
+}
+
 impl From<Decimal> for Number {
-    /// A whole number of up to 64 bits exactly, else the nearest float.
+    /// A whole number of up to 64 bits exactly, with a sign or without, else the nearest float.
     fn from(number: Decimal) -> Number {
         match number.as_whole() {
-            Some(whole) if i64::try_from(whole).is_ok() => Number::Int(whole),
+            Some(whole) if i64::try_from(whole).is_ok() || u64::try_from(whole).is_ok() => Number::Int(whole),
             _ => Number::Real(number.as_f64()),
         }
     }
@@ -126,9 +165,12 @@ impl ValueTest {
             ValueTest::OneOf(wanted) => match Number::of(value) {
                 None => Truth::False,
                 Some(number) if slack > 0.0 => {
-                    let real = number.as_real();
-                    let near = wanted.iter().any(|want| (want.as_real() - real).abs() <= slack);
-                    if near { Truth::Unknown } else { Truth::False }
+                    let near = |want: &Number| {
+                        let limit = Number::Real(slack);
+                        differs_at_most(number, *want, 0.0, limit)
+                            && differs_at_most(*want, number, 0.0, limit)
+                    };
+                    if wanted.iter().any(near) { Truth::Unknown } else { Truth::False }
                 }
                 Some(number) => {
                     Truth::of(wanted.iter().any(|want| number.compare(*want) == Some(Ordering::Equal)))
@@ -137,11 +179,12 @@ impl ValueTest {
             ValueTest::Range { min, max } => match Number::of(value) {
                 None => Truth::False,
                 Some(number) if slack > 0.0 => {
-                    let real = number.as_real();
-                    let inside = |real: f64| within(Number::Real(real), *min, *max);
-                    let reaches = min.is_none_or(|min| real + slack >= min.as_real())
-                        && max.is_none_or(|max| real - slack <= max.as_real());
-                    match (inside(real - slack) && inside(real + slack), reaches) {
+                    let within = |off: f64| {
+                        let none = Number::Int(0);
+                        min.is_none_or(|min| differs_at_most(number, min, off, none))
+                            && max.is_none_or(|max| differs_at_most(max, number, off, none))
+                    };
+                    match (within(slack), within(-slack)) {
                         (true, _) => Truth::True,
                         (false, true) => Truth::Unknown,
                         (false, false) => Truth::False,
@@ -266,5 +309,19 @@ mod tests {
         let test = ValueTest::OneOf(vec![Number::Int(i128::from(u64::MAX))]);
         assert_eq!(test.holds(Value::Word(u64::MAX), 0.0), Truth::True);
         assert_eq!(test.holds(Value::Word(u64::MAX - 1), 0.0), Truth::False);
+        let written = Decimal::from(i128::from(u64::MAX));
+        assert_eq!(Number::from(written), Number::Int(i128::from(u64::MAX)));
+        assert_eq!(Number::Int((1 << 60) + 1).reals().0, (1_u64 << 60) as f64 - 128.0);
+    }
+
+    #[test]
+    fn decimals_are_met_as_they_are_written() {
+        let at_most = |low, high, limit| {
+            differs_at_most(Number::Real(low), Number::Real(high), 0.0, Number::Real(limit))
+        };
+        assert!(at_most(0.7, 1.0, 0.3) && at_most(0.1, 0.3, 0.2));
+        assert!(!at_most(0.7, 1.000_000_000_1, 0.3) && !at_most(0.0, f64::NAN, 1.0));
+        let test = ValueTest::Range { min: None, max: Some(Number::Real(0.3)) };
+        assert_eq!(test.holds(Value::Real(0.1), 0.2), Truth::True);
     }
 }
