@@ -9,6 +9,7 @@ mod goldens;
 mod limits;
 mod oracle;
 mod oracle_courses;
+mod oracle_ends;
 mod oracle_trains;
 mod oracle_unseen;
 mod oracle_values;

@@ -11,13 +11,13 @@ use crate::oracle_values::scenario;
 /// Nothing of the line lies before.
 const ORIGIN: i64 = 20;
 /// The end of the case.
-const END: i64 = 120;
+pub(crate) const END: i64 = 120;
 
 /// A change of the line before it is placed: its interval, its level.
-type Change = (i64, i64, bool);
+pub(crate) type Change = (i64, i64, bool);
 
 /// The verdict on a line whose channel is such. The step `a` comes at an instant with nothing of the line.
-fn verdict(text: &str, line: &[Change], step: i64, sampling: Sampling) -> Verdict {
+pub(crate) fn verdict(text: &str, line: &[Change], step: i64, sampling: Sampling) -> Verdict {
     let mut q = SignalInfo::exact("q", ValueKind::Bool);
     q.sampling = sampling;
     let marks = ["step:a", "step:start"].map(|name| SignalInfo::exact(name, ValueKind::Mark));
