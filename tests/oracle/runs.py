@@ -1,5 +1,6 @@
 """Recordings of the rig itself: scenes that it runs in virtual time, where changes are exact or become known late."""
 
+import collections
 import pathlib
 import random
 
@@ -120,13 +121,11 @@ def recorded(folder, name, scene, case, rng):
                 steps[signal[5:]] = came[0]
             continue
         changes = changes[1:] if changes and changes[0][2] is None else changes
-        points = lanes.get(signal)
-        wide = {}
-        if points:
-            for point in points:
-                if len(point) == 3:
-                    wide[int(point[1])] = int(point[0])
-        tracks[signal] = [Change(wide.get(time, time), time, rank, value) for time, rank, value in changes]
+        # Several changes of a signal can have one latest instant: they stand in the same order in both.
+        early = collections.defaultdict(list)
+        for point in lanes.get(signal, ()):
+            early[int(point[-2])].append(int(point[0]))
+        tracks[signal] = [Change(early[time].pop(0) if early[time] else time, time, rank, value) for time, rank, value in changes]
     if scene.way == "late":
         with_held_back(scene, tracks, steps["start"][0])
     # A coarse recording says less, and nothing else: what is left out never turns a verdict.
