@@ -64,9 +64,10 @@ def judge(rig, folder, plan, capture, names, *arguments):
         return None, ran.stdout + ran.stderr
     name = None
     for line in ran.stdout.splitlines():
-        head = re.match(r"^  ([✗?!]) (\S+)$", line)
-        if head and head[2] in found:
-            name = head[2]
+        head = re.match(r"^  ([✗?!]) (.+)$", line)
+        if head:
+            name = head[2] if head[2] in found else None
+        if head and name:
             found[name].verdict = {"✗": "fail", "?": "inconclusive", "!": "error"}[head[1]]
         elif name and line.startswith("      why"):
             found[name].reason = line[10:].strip()
