@@ -431,12 +431,12 @@ class Maker(Measurements):
     def expect_profile(self):
         name = self.pick(LINES)
         keys, written = {"signal": name}, {"signal": quoted(name)}
-        begin, rate = self.shape(keys, written, name)
+        begin, points = self.shape(keys, written, name)
         self.until(keys, written, begin, 5 * MS)
-        written["points"] = f'[{{ at = "0 ms", frequency = "{text(rate)} Hz" }}]'
+        written["points"] = f"[{points}]"
         share = self.rng.choice((1, 5, 20, 50))
         if self.rng.random() < 0.5:
-            keys["tolerance"] = rate * Fraction(share, 100)
+            keys["tolerance"] = max(rate for _, rate in keys["points"]) * Fraction(share, 100)
             written["tolerance"] = f'"{share} %"'
         else:
             keys["tolerance"] = Fraction(share)

@@ -11,7 +11,7 @@ import trains
 from figures import Limits
 from placement import NeverCame, Placement, Track
 from scenes import COARSE
-from trains import MEASURES, MISSING, VERBS, Rooted
+from trains import MEASURES, MISSING, VERBS, AtLeast, Rooted
 from verbs import END, START, window
 
 # Claims that one figure keeps its limits.
@@ -137,7 +137,10 @@ def note(found, answers, claim, placement, awaited, seen=True):
         else:
             if seen:
                 found.figures.append(figure)
-            answer = None if limits is None else limits.allow(figure)
+            if isinstance(figure, AtLeast):
+                answer = False if limits and limits.high is not None and figure.least > limits.high else None
+            else:
+                answer = None if limits is None else limits.allow(figure)
     answers.add(answer)
     found.examples.setdefault(answer, placement)
     if seen and len(found.some) < 80:
@@ -273,6 +276,10 @@ def of_figure(claim, answer, found):
     """The stated interval has to hold the figure of every placement."""
     low, high = answer.value
     for figure in found.figures:
+        if isinstance(figure, AtLeast):
+            if float(high) < float(figure.least) * (1 - 1e-9) - 1e-6:
+                return [("figure", f"stated {float(low)!r} .. {float(high)!r}, a placement has {float(figure.least)!r} or more")]
+            continue
         if isinstance(figure, Rooted):
             real = float(figure)
             if not float(low) * (1 - 1e-9) - 1e-6 <= real <= float(high) * (1 + 1e-9) + 1e-6:

@@ -278,11 +278,16 @@ class Drawing:
         return keys, written, [name, other]
 
     def shape(self, keys, written, name):
+        """A shape near what the train does, and its text: even, or from one frequency to another."""
         begin = self.since(keys, written)
         found = self.expected(trains.frequency, keys)
         rate = Fraction(round(float(found))) if found not in (None, MISSING) else Fraction(200)
         keys["points"] = [(0, rate)]
-        return begin, rate
+        times = [time - begin for time in self.placement.edges(name, "rises", (begin, 0), (LAST, 0))]
+        if len(times) > 3 and self.rng.random() < 0.4:
+            rates = [Fraction(round(trains.SECOND / (to - since))) for since, to in (times[:2], times[-2:])]
+            keys["points"] = [(0, rates[0]), (times[-1], rates[1])]
+        return begin, ", ".join(f'{{ at = "{duration(time)}", frequency = "{text(rate)} Hz" }}' for time, rate in keys["points"])
 
 
 def shifted(drawing):

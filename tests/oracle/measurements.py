@@ -4,7 +4,7 @@ from fractions import Fraction
 
 import trains
 from drawing import BOOLS, NUMBERS, Claim, Drawing, in_unit, instant, quoted, write_limits
-from figures import MS, text
+from figures import MS
 from scenes import CHANNELS, LINES
 from trains import MISSING
 
@@ -114,7 +114,7 @@ class Measurements(Drawing):
     def measure_profile(self):
         name = self.pick(LINES)
         keys, written = {"signal": name}, {"profile-of": ""}
-        begin, rate = self.shape(keys, written, name)
+        begin, points = self.shape(keys, written, name)
         self.until(keys, written, begin, 5 * MS)
-        written["profile-of"] = f'{{ signal = "{name}", points = [{{ at = "0 ms", frequency = "{text(rate)} Hz" }}] }}'
+        written["profile-of"] = f'{{ signal = "{name}", points = [{points}] }}'
         return self.measured("profile", keys, written, [name], "Hz", Fraction(1), 3, found=Fraction(10))

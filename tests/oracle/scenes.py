@@ -216,10 +216,13 @@ def train(rng, busy):
     high = min(high, period - 250_000)
     time, times = rng.randrange(1, 8) * MS, []
     off = rng.choice((0, 0, 1000, 100_000))
+    # Some go faster and faster, or slower.
+    change = rng.choice((0, 0, 0, 1, -1)) * rng.choice((50_000, 200_000))
     while time + period + MS < busy and len(times) < 20:
         shift = rng.randrange(-off, off + 1) if off else 0
         times += [time + shift, time + shift + high]
         time += period
+        period = min(max(period + change, high + 250_000), 10 * MS)
     return times
 
 

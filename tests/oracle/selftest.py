@@ -47,7 +47,7 @@ def numbers(changes):
 
 TRACKS = {name: line(drawn) for name, drawn in LINES.items()} | {name: numbers(found) for name, found in NUMBERS.items()}
 STEPS = {"start": (0, 2), "press": (4 * MS, 3), "go": (9 * MS + MS // 2, 3), "end": (40 * MS, 9)}
-HISTORY = Placement(TRACKS, STEPS)
+PLACEMENT = Placement(TRACKS, STEPS)
 
 
 def at(ms, base="start"):
@@ -174,6 +174,11 @@ CLAIMS = [
     ("profile", {"signal": "lamp", "points": [(0, Fraction(100))], "tolerance": Fraction(20)}, False),
     ("profile", {"signal": "lamp", "points": [(0, Fraction(125))], "tolerance": Fraction(1)}, False),
     ("profile", {"signal": "lamp", "points": [(0, Fraction(125))], "tolerance": Fraction(100), "from": at(1), "until": at(23)}, None),
+    # From 125 Hz to 250 Hz in 8 ms it goes by one and a half.
+    ("profile", {"signal": "lamp", "points": [(0, Fraction(125)), (8 * MS, Fraction(250))], "tolerance": Fraction(62),
+                 "from": at(0, "press")}, False),
+    ("profile", {"signal": "lamp", "points": [(0, Fraction(100))], "tolerance": Fraction(20), "shape-within": 2 * MS}, False),
+    ("profile", {"signal": "lamp", "points": [(0, Fraction(100))], "tolerance": Fraction(20), "shape-within": 9 * MS}, None),
 ]
 # A measurement, and what it comes to.
 FIGURES = [
@@ -196,7 +201,7 @@ FIGURES = [
     ("speed", {"signal": "count", "from": at(4), "until": at(24)}, 100),
     ("jitter", {"signal": "odd_", "grid": Fraction(6 * MS)}, 4 * MS),
     ("position", {"signal": "up__"}, 4),
-    ("profile", {"signal": "up__"}, None),
+    ("profile", {"signal": "up__", "points": [(0, Fraction(260))]}, 10),
 ]
 # Ways to leave out what is too short: of 4 ms and less, of both levels.
 FILTERED = [("odd_", 2 * MS, 1)]
@@ -257,20 +262,21 @@ def recordings():
 
 def main():
     for verb, keys, wanted in CLAIMS:
-        check(f"{verb} {keys}", VERBS[verb](keys, HISTORY), wanted)
+        check(f"{verb} {keys}", VERBS[verb](keys, PLACEMENT), wanted)
     for verb, keys, wanted in FIGURES:
-        check(f"{verb} {keys}", MEASURES[verb](keys, HISTORY), wanted)
+        figure = MEASURES[verb](keys, PLACEMENT)
+        check(f"{verb} {keys}", figure.least if isinstance(figure, trains.AtLeast) else figure, wanted)
     check("verbs without a verdict by hand", set(VERBS) - {verb for verb, _, _ in CLAIMS}, set())
     check("measurements without a figure by hand", set(MEASURES) - {verb for verb, _, _ in FIGURES}, set())
     for name, shortest, way in FILTERED:
-        kept = trains.without_short(HISTORY.tracks[name], shortest)[way]
+        kept = trains.without_short(PLACEMENT.tracks[name], shortest)[way]
         check("what is left", [(time // MS, value) for (time, _), value in kept][1:], [(10, True), (16, False)])
     root = trains.Rooted(Fraction(2))
     check("a root", (root >= Fraction(14, 10), root >= Fraction(15, 10), root <= Fraction(15, 10), root >= -1), (True, False, True, True))
     check("a decimal", (text(Fraction(-7, 20)), text(Fraction(3)), duration(1_500_000), duration(7)),
           ("-0.35", "3", "1500 us", "0.000007 ms"))
     try:
-        HISTORY.at(at(0, "nothing"))
+        PLACEMENT.at(at(0, "nothing"))
         sys.exit("selftest: a step that never came has no instant")
     except NeverCame:
         pass

@@ -99,6 +99,8 @@ def with_filter(figure):
 def same(one, other):
     if isinstance(one, Rooted) and isinstance(other, Rooted):
         return one.square == other.square
+    if isinstance(one, AtLeast) and isinstance(other, AtLeast):
+        return one.least == other.least
     return one == other
 
 
@@ -312,7 +314,7 @@ def area(points, since, to):
 def profile(keys, placement):
     """What follows from the distances of counts alone, one after the other: a train that goes one way, a shape above its
     tolerance everywhere. What else may break the claim is left open near the limits."""
-    if any(key in keys for key in ("over", "shape-within", "direction", "down", "quadrature")):
+    if any(key in keys for key in ("over", "direction", "down", "quadrature")):
         return None
     found = counts(keys, placement)
     if not found:
@@ -322,16 +324,34 @@ def profile(keys, placement):
     lower = [(time, rate - off) for time, rate in points]
     upper = [(time, rate + off) for time, rate in points]
     times = [time - begin for time, _ in found]
+    # How far its instants may be off says nothing of an even shape away from its beginning; else it is left open.
+    shifts = keys.get("shape-within", 0)
     for since, to in zip(times, times[1:]):
         if area(lower, since, to) > 1 or area(upper, since, to) < 1:
-            return False
+            return False if since >= shifts and (not shifts or len(points) == 1) else None
     over = end - begin
-    if area(lower, 0, times[0]) > 1 or area(lower, times[-1], over) > 1:
-        return False
+    if area(lower, shifts, times[0]) > 1 or area(lower, max(times[-1], shifts), over) > 1:
+        return False if not shifts or len(points) == 1 else None
     # Where in its turn it begins is not said.
     if area(upper, 0, times[0]) < 1 or area(lower, 0, times[0]) >= 1 or area(lower, times[-1], over) >= 1:
         return None
     return True
+
+
+class AtLeast:
+    """A figure of which is known what it is not below."""
+
+    def __init__(self, least):
+        self.least = least
+
+
+def off_shape(keys, placement):
+    """By how much a train is off an even shape at least: what the distances of its counts need."""
+    found = counts(keys, placement)
+    if not found or len(keys["points"]) > 1:
+        return None if found else MISSING
+    rate = keys["points"][0][1]
+    return AtLeast(max((abs(Fraction(SECOND, to[0] - since[0]) - rate) for since, to in zip(found, found[1:])), default=Fraction(0)))
 
 
 def limited(figure):
@@ -378,4 +398,4 @@ for verb in ("rises", "falls", "changes", "becomes", "edges", "settles", "follow
     VERBS[verb] = with_filter(VERBS[verb])
 MEASURES = {"time": time, "value": value_at, "window": with_filter(over_window), "frequency": with_filter(frequency),
             "duty": with_filter(duty), "period": with_filter(period), "width": with_filter(width), "speed": speed,
-            "jitter": with_filter(jitter), "position": with_filter(position), "profile": lambda keys, placement: None}
+            "jitter": with_filter(jitter), "position": with_filter(position), "profile": with_filter(off_shape)}
