@@ -37,6 +37,16 @@ fn sessions_and_dumps_of_sigrok_are_judged_alike() {
     }
 }
 
+/// Between two rows the limit of a wait may come before another step.
+#[test]
+fn a_wait_that_ends_before_another_step_ends() {
+    let bench = bench();
+    let wait = "steps = [\n  { id = \"early\", when = { signal = \"button\", edge = \"rises\", within = \"5 ms\" } },\n  { id = \"mark\", at = \"start + 20 ms\", mark = {} },\n";
+    bench.write("lamp.toml", &LAMP.replace("steps = [\n", wait));
+    let ran = bench.expect(1, &judge("edges.csv", &["--at", "press=1 s", "--period", "1 us"]));
+    assert!(ran.out.contains("early"), "{}", ran.out);
+}
+
 #[test]
 fn a_table_of_volts_has_thresholds() {
     let bench = bench();

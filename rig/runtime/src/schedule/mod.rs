@@ -281,7 +281,7 @@ impl Schedule {
             }
             self.queue.pop();
             // The limit of a wait belongs to it: what comes at that very instant came in time.
-            if due == Due::Missed && self.acts_by(now) {
+            if due == Due::Missed && self.acts_by(at) {
                 self.put(at, step, due);
                 continue;
             }
@@ -291,9 +291,9 @@ impl Schedule {
         }
     }
 
-    /// Whether a step does something by `now` that may still bring what another one waits for.
-    fn acts_by(&self, now: Time) -> bool {
-        self.queue.iter().any(|Reverse((at, _, _, due))| *at <= now && *due != Due::Missed)
+    /// Whether a step does something by this instant that may still bring what another one waits for.
+    fn acts_by(&self, limit: Time) -> bool {
+        self.queue.iter().any(|Reverse((at, _, _, due))| *at <= limit && *due != Due::Missed)
     }
 
     /// The wait of a step is not over yet: more may come at this instant.
