@@ -151,7 +151,7 @@ impl Keeps {
         let test = self.test(info).map_err(NotJudged::NoMeaning)?;
         let watched = vec![KeptSignal { test, slack: slack(info), info: info.clone() }];
         let open = scene.is_open(&self.between.until);
-        let common = Common { claim: self.clone(), watched, segments, open, end: scene.end() };
+        let common = Common { claim: self.clone(), watched, segments, open, end: scene.earliest_end() };
         Ok(Box::new(SingleSignalMonitor::new(common)))
     }
 
@@ -211,7 +211,7 @@ impl TraceClaim for Keeps {
         }
         let open = scene.is_open(&self.between.until);
         let segments = SegmentJudgement::new(window);
-        let common = Common { claim: self.clone(), watched, segments, open, end: scene.end() };
+        let common = Common { claim: self.clone(), watched, segments, open, end: scene.earliest_end() };
         if self.signals.len() > 1 {
             let lags = self.signals.iter().map(|name| scene.lag(name)).collect();
             return Ok(super::together::start(common, lags));

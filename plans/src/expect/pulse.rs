@@ -118,7 +118,7 @@ impl TraceClaim for PulseClaim {
             levels: PulseFinder::new(self.high, slack(info)),
             window,
             judge,
-            end: scene.end(),
+            end: scene.earliest_end(),
         }))
     }
 }

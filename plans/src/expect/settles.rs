@@ -199,7 +199,7 @@ impl TraceClaim for SettlesClaim {
             class: Truth::Unknown,
             entered: None,
             open: scene.is_open(&self.between.until),
-            end: scene.end(),
+            end: scene.earliest_end(),
             test,
         }))
     }

@@ -332,6 +332,8 @@ struct Follower {
     slot: usize,
     /// Where it stops looking: the instant, and the place in the trace.
     last: (i64, u64),
+    /// The end of the case at the earliest: what lasts until then lasts so long for certain.
+    end: i64,
     /// What takes the short pulses out of the signal before, by its place.
     filter: Option<usize>,
 }
@@ -424,7 +426,7 @@ impl FinalReading {
         let mut held = 0;
         for (slot, name) in names.iter().enumerate() {
             let Some(line) = scene.signals.iter().position(|info| info.name == *name) else { continue };
-            let mut follower = Follower { at, slot, last, filter: None };
+            let mut follower = Follower { at, slot, last, end: scene.earliest_end(), filter: None };
             if let Some(filter) = rule(&scene.signals[line]).filter(&scene.signals[line]) {
                 held = held.max(filter.holds_for());
                 follower.filter = Some(self.short.add(filter, follower));
@@ -466,7 +468,7 @@ impl FinalReading {
             });
         }
         let running = &mut self.running;
-        self.short.finish(|follower| follower.last.0, |follower, seen| follower.hand_on(running, seen));
+        self.short.finish(|follower| follower.end, |follower, seen| follower.hand_on(running, seen));
         let unobserved = |names: &[String]| {
             let silent = |name: &&String| {
                 signals.iter().position(|info| info.name == **name).is_none_or(|at| !self.lines[at].observed)

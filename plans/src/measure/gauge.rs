@@ -165,7 +165,12 @@ impl Gauge {
                 let found = scene.signal(signal)?;
                 info = figure.info(found).map_err(NotJudged::NoMeaning)?;
                 let window = scene.window(from, until)?;
-                GaugeState::Over(Box::new(WindowMeasurement::new(window, *figure, found, scene.end())))
+                GaugeState::Over(Box::new(WindowMeasurement::new(
+                    window,
+                    *figure,
+                    found,
+                    scene.earliest_end(),
+                )))
             }
             MeasuredQuantity::Position { train, from, until } => {
                 info = figure("position", "");
