@@ -135,7 +135,8 @@ impl Monitor for PairsMonitor {
         }
         let Some((mut finding, name, slots)) = worst else { return Finding::default() };
         if finding.can_break {
-            finding.observed = format!("{name} were {}", finding.observed);
+            let were = if finding.observed.starts_with("all ") { " were" } else { ":" };
+            finding.observed = format!("{name}{were} {}", finding.observed);
         }
         finding.slot = slots[finding.slot.min(1)];
         (finding.can_hold, finding.can_break) = (can_hold, can_break);

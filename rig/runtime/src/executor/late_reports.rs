@@ -5,6 +5,7 @@
 use super::pacing::Pacing;
 use super::real_lines::LONGEST_WAIT;
 use super::{Executor, RigFault};
+use crate::scan_port::ExecutorRole;
 use drivers::{BoardEvent, Channel, Origin, TimestampSource};
 use signal::{Cause, Span, Time, Value, When};
 
@@ -15,7 +16,8 @@ impl Executor<'_> {
     /// Waits until all that came before the end is known, and records it. A case that ended early, or by a fault of the rig, is
     /// made safe at once: its verdict does not depend on more.
     pub(super) fn take_late_reports(&mut self) {
-        if self.report.fault.is_some() || self.parts.schedule.ended().is_some() || self.live.is_some() {
+        let no_case = self.live.as_ref().is_some_and(|live| live.role() == ExecutorRole::Rig);
+        if no_case || self.report.fault.is_some() || self.parts.schedule.ended().is_some() {
             return;
         }
         let closed = self.board_time();
