@@ -60,6 +60,7 @@ codes! {
     SignChange = "S0306", "A conversion can change the value's sign";
     NotAValue = "S0307", "A name is not one of a value";
     Index = "S0308", "An index does not suit its array";
+    NotCut = "S0309", "A difference is not cut to its type";
     ReadOnly = "S0401", "The target cannot be assigned to";
     Condition = "S0402", "A condition is not BOOL";
     CaseLabel = "S0403", "A label of CASE is wrong";

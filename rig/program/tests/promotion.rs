@@ -1,8 +1,8 @@
 //! Whole numbers of fewer than 32 bits are computed in 32 (decision 64): what the tool's help shows, and every operator
 //! in every place where the high bits of its result are seen, against an evaluator of its own.
 
-use crate::support::oracle::{Case, check, limits, literal, register, seen, width, wrap};
-use crate::support::{Rig, once};
+use crate::support::oracle::{Case, check, limits, literal, register, seen, verdicts, width, wrap};
+use crate::support::{Rig, codes, once};
 use scanrig_program::Elementary::{self, *};
 use signal::Value;
 use std::fmt::Write;
@@ -186,4 +186,27 @@ fn numbers_of_32_bits_and_more_wrap_at_their_own_width() {
     assert_eq!(rig.int("MAIN.l"), -2147483648);
     assert_eq!(rig.int("MAIN.m"), 0);
     assert!(rig.on("MAIN.b"));
+}
+
+#[test]
+fn a_difference_that_does_not_wrap_is_warned_of() {
+    let declarations = "VAR_GLOBAL now, last : UINT; a, b : USINT; i, j : INT; d : DINT; l : LINT; r : REAL; x : BOOL; END_VAR";
+    let cases = [
+        ("x := now - last >= 1000;", true),
+        ("IF (a - b) MOD 10 = 0 THEN x := TRUE; END_IF;", true),
+        ("l := a - b;", true),
+        ("r := a - b;", true),
+        ("now := MAX(now - last, 5);", true),
+        ("x := TO_UINT(now - last) >= 1000;", false),
+        ("x := (now - last AND 16#FF) = 3;", false),
+        ("d := a - b;", false),
+        ("x := i - j > 5;", false),
+        ("now := now - last;", false),
+        ("x := a + b > 255;", false),
+    ];
+    let statements: Vec<String> = cases.iter().map(|(text, _)| text.to_string()).collect();
+    for ((text, warned), found) in cases.iter().zip(verdicts(declarations, &statements)) {
+        assert_eq!(found.contains(&"S0309"), *warned, "{text}: {found:?}");
+    }
+    assert!(codes("PROGRAM MAIN VAR x : BOOL; a : UINT; END_VAR x := a - 1 > 5; END_PROGRAM").is_empty());
 }

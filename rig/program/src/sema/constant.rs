@@ -151,6 +151,9 @@ impl<'a> Sema<'a> {
                     let whole = self.in_promoted(value, into);
                     return self.uncut(whole);
                 }
+                if into.bits() > 32 || into.is_real() {
+                    self.check_below_0(&value);
+                }
                 if into.bits() > from.bits() { self.promoted(value) } else { value }
             }
             _ => value,

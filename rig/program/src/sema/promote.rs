@@ -7,6 +7,7 @@
 //! promoted: made again in 32 bits.
 
 use super::Sema;
+use crate::codes::Code;
 use crate::tree::{BinaryOp, Expr, ExprKind, Ty, UnaryOp};
 use crate::types::Elementary;
 
@@ -47,6 +48,11 @@ fn in_32_bits(value: &Expr) -> Option<&Expr> {
 /// Whether a value may be outside of the range of its type: the result of operations that was not cut yet.
 pub(super) fn exceeds(value: &Expr) -> bool {
     found(value, |op, _| grows(op) || op == BinaryOp::Divide, true)
+}
+
+/// Whether a difference of unsigned numbers may be below 0 in a value.
+fn may_be_below_0(value: &Expr) -> bool {
+    found(value, |op, ty| op == BinaryOp::Subtract && !ty.signed(), false)
 }
 
 /// Whether the part of a value that is not cut has such an operator; `negated` where the negation of a signed number
@@ -122,6 +128,8 @@ impl Sema<'_> {
     pub(super) fn promoted_for(&mut self, op: BinaryOp, left: Expr, right: Expr) -> (Expr, Expr) {
         match small(left.ty) {
             Some(ty) if needs_high_bits(op) && (exceeds(&left) || exceeds(&right)) => {
+                self.check_below_0(&left);
+                self.check_below_0(&right);
                 (self.in_promoted(left, ty), self.in_promoted(right, ty))
             }
             _ => (left, right),
@@ -211,6 +219,28 @@ impl Sema<'_> {
         match (in_32_bits(&value).map(|whole| &whole.kind), small(value.ty)) {
             (Some(ExprKind::Constant(cell)), Some(ty)) => self.constant(ty.wrap(*cell), ty, value.at),
             _ => value,
+        }
+    }
+
+    /// Warns where a difference of small unsigned numbers is looked at in 32 bits: it does not wrap at its own width.
+    pub(super) fn check_below_0(&mut self, value: &Expr) {
+        let ty = match value.ty {
+            Ty::Promoted(ty) => ty,
+            other => match small(other) {
+                Some(ty) => ty,
+                None => return,
+            },
+        };
+        if whole_constant(value).is_none() && may_be_below_0(value) {
+            let (_, high) = ty.range();
+            let message = format!(
+                "the difference is computed in 32 bits: where it is below 0 it does not go on at {high}, \
+                 the end of {}",
+                ty.name()
+            );
+            let help =
+                format!("TO_{}(...) around it cuts it; convert its operands to DINT for a sign", ty.name());
+            self.findings.warning(Code::NotCut, value.at, message, help);
         }
     }
 }

@@ -313,6 +313,7 @@ impl<'a> Sema<'a> {
         if self.scalar(ty).is_none() {
             return self.no_operator(key, ty, at);
         }
+        list.iter().for_each(|value| self.check_below_0(value));
         let mut list = list.into_iter();
         let Some(first) = list.next() else { return LiteralOperand::Wrong };
         let value = list.fold(first, |so_far, next| self.binary(op, so_far, next, at));
@@ -372,6 +373,7 @@ impl<'a> Sema<'a> {
                 other => other,
             };
         }
+        [&low, &value, &high].into_iter().for_each(|value| self.check_below_0(value));
         let raised = self.binary(BinaryOp::Greatest, low, value, at);
         let limited = self.binary(BinaryOp::Least, raised, high, at);
         LiteralOperand::Value(self.uncut(limited), ty)
