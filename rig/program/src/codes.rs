@@ -71,6 +71,7 @@ codes! {
     NotCallable = "S0408", "What is called is no function, block or program";
     Override = "S0409", "A method does not fit what it overrides or implements";
     Output = "S0410", "A value cannot be passed by reference";
+    Endless = "S0411", "A loop that never gets beyond its end";
     SourceSize = "S0501", "The sources are too large";
     DataSize = "S0502", "The variables need too much memory";
     RetainedSize = "S0503", "The retained variables need too much memory";

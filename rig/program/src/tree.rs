@@ -305,13 +305,14 @@ pub(crate) enum StmtKind {
     Return,
 }
 
-/// FOR: end and step are computed once. The variable ends one step beyond the end, or at its last value where its
-/// type does not hold more.
+/// FOR: the step is computed once, the end before each turn. The variable ends one step beyond the end; where its type does not
+/// hold that, it goes on at the other end of the type, and the loop with it.
 #[derive(Clone, Debug)]
 pub(crate) struct For {
     /// A whole number.
     pub variable: TreePlace,
     pub from: Expr,
+    /// Of the variable's type, or promoted of it.
     pub to: Expr,
     /// LINT; a constant is not 0.
     pub by: Option<Expr>,

@@ -77,7 +77,9 @@ fn each_part_once_and_in_order() {
         ("b := e[f(1)].Q;", 1),
         ("i := both(a := f(1), v := a[f(2)], o => a[f(3)]);", 123),
         // Statements.
-        ("FOR i := f(1) TO f(3) BY f(2) DO j := j + 1; END_FOR;", 132),
+        // The end before each turn.
+        ("FOR i := f(1) TO f(3) BY f(2) DO j := j + 1; END_FOR;", 12_333),
+        ("FOR i := f(1) TO f(2) DO j := j + 1; END_FOR;", 1222),
         ("CASE f(3) OF 1, 2: i := 1; 3..5: i := 2; 7: i := 3; END_CASE;", 3),
         (
             "IF f(1) = 2 THEN i := f(2); ELSIF f(3) = 3 THEN i := f(4); ELSIF f(5) = 5 THEN i := f(6); END_IF;",

@@ -1,7 +1,7 @@
 //! What ends a cycle, with the line where it happened: indices, pointers and references, divisions by 0, the stack;
 //! and what the limits of FOR, CASE and the jumps do not do.
 
-use crate::support::oracle::{WHOLE, limits, literal};
+use crate::support::oracle::{WHOLE, limits, literal, verdicts, wrap};
 use crate::support::{Rig, codes, once};
 use scanrig_program::{ProgramFaultKind, StopReason};
 
@@ -205,31 +205,41 @@ fn what_ran_before_a_fault_stays() {
 
 #[test]
 fn counted_loops_at_the_limits() {
-    // IEC 61131-3, 7.3.3.4.2: tested before each turn, the control variable has no defined value after; here it
-    // stops at the last value that its type holds.
+    // The tool's help, FOR: an end at the limit of the control variable's type makes a loop without an end. IEC 61131-3,
+    // 7.3.3.4.2: tested before each turn. The turns are counted by a naive loop here, up to 21.
     for ty in WHOLE {
         let (low, high) = limits(ty);
         let name = ty.name();
         let declarations = format!("VAR i, s : {name}; n, c : DINT; END_VAR");
-        for (from, to, by, turns) in [
-            (high - 2, high, 1, 3),
-            (high, high, 1, 1),
-            (high - 5, high, 2, 3),
-            (high - 5, high, 100, 1),
-            (low + 2, low, -1, 3),
-            (low, low, -1, 1),
-            (low + 5, low, -2, 3),
-            (low + 5, low, -100, 1),
-            (low + 1, low, 1, 0),
-            (high - 1, high, -1, 0),
-            (1, 3, 1, 3),
-            (3, 1, -1, 3),
-            (5, 5, 7, 1),
+        for (from, to, by) in [
+            (high - 2, high, 1),
+            (high, high, 1),
+            (high - 2, high - 1, 1),
+            (high - 5, high, 2),
+            (high - 5, high - 2, 2),
+            (high - 5, high, 100),
+            (low + 2, low, -1),
+            (low + 2, low + 1, -1),
+            (low, low, -1),
+            (low + 5, low, -2),
+            (low + 5, low + 3, -2),
+            (low + 5, low, -100),
+            (low + 1, low, 1),
+            (high - 1, high, -1),
+            (1, 3, 1),
+            (3, 1, -1),
+            (5, 5, 7),
         ] {
+            let (mut i, mut turns) = (from, 0);
+            while turns < 21 && if by > 0 { i <= to } else { i >= to } {
+                turns += 1;
+                i = wrap(i + by, ty);
+            }
             for counted in [
                 format!("FOR i := {from} TO {to} BY {by} DO"),
                 // Step and end as variables, of the control variable's type where it has the number.
                 format!("c := {by}; FOR i := {from} TO {to} BY c DO"),
+                format!("s := {to}; FOR i := {from} TO s BY {by} DO"),
                 format!("c := {by}; s := {to}; FOR i := {from} TO s BY c DO"),
             ] {
                 let rig = once(
@@ -243,16 +253,58 @@ fn counted_loops_at_the_limits() {
 }
 
 #[test]
+fn a_loop_without_an_end_is_warned_of_and_takes_the_whole_cycle() {
+    let declarations = "VAR_GLOBAL i : SINT; u : USINT; d : DINT; n, k : USINT; END_VAR";
+    let cases = [
+        ("FOR i := 120 TO 127 DO ; END_FOR;", true),
+        ("FOR i := n TO 127 DO ; END_FOR;", true),
+        ("FOR i := 0 TO 126 BY 5 DO ; END_FOR;", true),
+        ("FOR i := 0 TO -128 BY -1 DO ; END_FOR;", true),
+        ("FOR u := 10 TO 0 BY -1 DO ; END_FOR;", true),
+        ("FOR u := 10 TO 1 BY -1 DO ; END_FOR;", false),
+        ("FOR u := 0 TO 254 DO ; END_FOR;", false),
+        ("FOR u := 0 TO 250 BY 5 DO ; END_FOR;", false),
+        ("FOR u := 255 TO 3 DO ; END_FOR;", false),
+        ("FOR u := 0 TO 255 DO EXIT; END_FOR;", true),
+        ("FOR d := 0 TO 2147483647 DO ; END_FOR;", true),
+        ("FOR d := 0 TO n DO ; END_FOR;", false),
+    ];
+    let statements: Vec<String> =
+        cases.iter().map(|(text, _)| text.replace("i := n", "i := USINT_TO_SINT(n)")).collect();
+    for ((text, warned), found) in cases.iter().zip(verdicts(declarations, &statements)) {
+        assert_eq!(found.contains(&"S0411"), *warned, "{text}: {found:?}");
+    }
+    // Nothing but the watchdog ends it.
+    for end in ["127", "m", "i"] {
+        let text = format!(
+            "PROGRAM MAIN VAR i, m : SINT := 127; END_VAR FOR i := 120 TO {end} DO ; END_FOR; END_PROGRAM"
+        );
+        let mut rig = Rig::new(&text);
+        assert!(matches!(rig.run().stop, StopReason::Budget { .. }), "{end}");
+    }
+    // A count of none less 1 is no end of an unsigned loop, and is warned of.
+    let found = verdicts(declarations, &["FOR u := 0 TO k - 1 DO ; END_FOR;".to_string()]);
+    assert_eq!(found, [["S0309"]]);
+    let mut rig =
+        Rig::new("PROGRAM MAIN VAR i, k : USINT; END_VAR FOR i := 0 TO k - 1 DO ; END_FOR; END_PROGRAM");
+    assert!(matches!(rig.run().stop, StopReason::Budget { .. }));
+    let rig =
+        once("VAR u : USINT := 255; i, n : INT; END_VAR", "FOR i := 0 TO u + 2 DO n := n + 1; END_FOR;");
+    assert_eq!(rig.int("n"), 258);
+}
+
+#[test]
 fn bodies_that_change_their_loops() {
     let rig = once(
-        "VAR i, n, m, k, e, s : INT; l : LINT; END_VAR",
-        // The control variable counts from where the body leaves it; end and step are computed once, before.
+        "VAR i, n, m, k, e, s, z : INT; l : LINT; END_VAR",
+        // The control variable counts from where the body leaves it; the step is computed once, the end before each turn.
         "FOR i := 1 TO 10 DO i := i + 1; n := n + 1; END_FOR;
-         e := 3; FOR i := 1 TO e DO e := 100; m := m + 1; END_FOR;
+         e := 3; FOR i := 1 TO e DO e := 6; m := m + 1; END_FOR;
          s := 1; FOR i := 1 TO 6 BY s DO s := 3; k := k + 1; END_FOR;
-         FOR l := 9223372036854775806 TO 9223372036854775807 DO ; END_FOR;",
+         e := 9; FOR i := 1 TO e + 1 BY 2 DO e := e - 1; z := z + 1; END_FOR;
+         FOR l := 9223372036854775805 TO 9223372036854775806 DO ; END_FOR;",
     );
-    assert_eq!((rig.int("n"), rig.int("m"), rig.int("k")), (5, 3, 6));
+    assert_eq!((rig.int("n"), rig.int("m"), rig.int("k"), rig.int("z")), (5, 6, 6, 4));
     // A step of 0 goes on for ever: the cycle never ends, and time passes.
     let mut rig =
         Rig::new("PROGRAM MAIN VAR i, s : INT; END_VAR FOR i := 1 TO 2 BY s DO ; END_FOR; END_PROGRAM");

@@ -231,8 +231,8 @@ pub(crate) enum Op {
     JumpNotLtF64,
     JumpNotLeF32,
     JumpNotLeF64,
-    /// FOR by 1: where `b` < `c`, `b` grows by 1 and `a` is the next operation; else `b` grows by 1 if its type holds
-    /// that, and the loop is over.
+    /// FOR by 1: `b` grows by 1, and where it is not beyond `c` then, `a` is the next operation. At the end of its type
+    /// `b` goes on at the other end.
     ForI8,
     ForU8,
     ForI16,
@@ -241,15 +241,6 @@ pub(crate) enum Op {
     ForU32,
     ForI64,
     ForU64,
-    /// FOR by `c` (I64): `b` grows by it, or, where its type cannot hold that, `a` is the next operation.
-    StepI8,
-    StepU8,
-    StepI16,
-    StepU16,
-    StepI32,
-    StepU32,
-    StepI64,
-    StepU64,
     /// Prepares the frame of unit `a` after the running one, with its template.
     Frame,
     /// The same for the method with selector `a` of the instance whose address (4 bytes) is at `b`.

@@ -85,7 +85,7 @@ pub(super) fn has_effects(expr: &Expr) -> bool {
 
 impl TreePlace {
     /// Whether its address is known without an operation.
-    fn is_direct(&self) -> bool {
+    pub(super) fn is_direct(&self) -> bool {
         self.indices.is_empty() && !matches!(self.root, TreeRoot::Address(_))
     }
 }

@@ -43,7 +43,6 @@ const ROL: [Op; 4] = [Rol8, Rol16, Rol32, Rol64];
 const ROR: [Op; 4] = [Ror8, Ror16, Ror32, Ror64];
 const INDEX: [Op; 8] = [IndexI8, IndexU8, IndexI16, IndexU16, IndexI32, IndexU32, IndexI64, IndexU64];
 const FOR: [Op; 8] = [ForI8, ForU8, ForI16, ForU16, ForI32, ForU32, ForI64, ForU64];
-const STEP: [Op; 8] = [StepI8, StepU8, StepI16, StepU16, StepI32, StepU32, StepI64, StepU64];
 
 /// A comparison as the machine has them; the others are these with their sides or their outcome turned round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -134,8 +133,8 @@ pub(super) fn counted(ty: Elementary) -> Op {
     FOR[signed_width(ty)]
 }
 
-pub(super) fn step(ty: Elementary) -> Op {
-    STEP[signed_width(ty)]
+pub(super) fn add(ty: Elementary) -> Op {
+    six(&ADD, ty)
 }
 
 /// Operators with a result of the operands' type. `None` for the others.

@@ -191,18 +191,21 @@ impl Emitter<'_, '_, '_> {
         }
     }
 
-    /// FOR. A turn costs a comparison and a branch at its start, an addition and a turn at its end; one operation
-    /// at the end bears both.
+    /// FOR. The step is computed once, the end before each turn. A turn costs a comparison and a branch at its start, an
+    /// addition and a turn at its end; where one operation does both at the end, it bears both. What reading a variable
+    /// as the end costs is charged before the first turn; for the others it is in the price of a turn.
     fn for_statement(&mut self, counted: &For) {
         let variable = self.destination(&counted.variable);
         let ty = ops::scalar(variable.ty);
         self.store(&counted.from, variable);
-        let end = self.held(&counted.to, variable.ty);
-        let step = counted.by.as_ref().map(|by| (constant(by), by));
-        let step = match step {
-            None | Some((Some(1), _)) => LoopStep::One,
-            Some((Some(n), _)) => LoopStep::Constant(n, self.constant(n, LINT).at),
-            Some((None, by)) => LoopStep::Held(self.held(by, LINT)),
+        let step = match counted.by.as_ref().map(|by| (constant(by), by)) {
+            None => LoopStep::Constant(1),
+            Some((Some(n), _)) => LoopStep::Constant(n),
+            Some((None, by)) => {
+                let at = self.temporary(LINT);
+                self.store(by, Dest { at, ty: LINT, cost: 0 });
+                LoopStep::Computed(at)
+            }
         };
         let kept = if counted.variable.retained { self.costs.retained } else { 0 };
         let op = self.costs.op(ty);
@@ -211,91 +214,90 @@ impl Emitter<'_, '_, '_> {
         let test = load.saturating_add(op).saturating_add(self.costs.branch);
         let turn = load.saturating_add(op).saturating_add(store).saturating_add(self.costs.turn());
         let (top, leave) = (self.label(), self.label());
-        self.for_test(step, variable.at, end, ty, (top, leave), (test, counted.to.at));
+        let first = LoopTest { within: false, to: leave, cost: test, at: counted.to.at };
+        self.for_test(counted, variable, step, first);
         self.bind(top);
         let ends = self.body(&counted.body);
         self.bind(ends.next);
-        match step {
-            LoopStep::One => {
-                let cost = turn.saturating_add(test);
-                self.jump(ops::counted(ty), top, [variable.at, end], cost, counted.end);
-            }
-            LoopStep::Constant(_, by) | LoopStep::Held(by) => {
-                self.jump(ops::step(ty), leave, [variable.at, by], turn, counted.end);
-                self.for_again(step, variable.at, end, ty, top, (test, counted.end));
-            }
+        if let (LoopStep::Constant(1), true) = (step, is_plain_end(&counted.to, variable.ty)) {
+            let end = self.value(&counted.to);
+            self.jump(ops::counted(ty), top, [variable.at, end.at], turn.saturating_add(test), counted.end);
+        } else {
+            let by = match step {
+                LoopStep::Constant(n) => self.constant(ty.wrap(n), variable.ty).at,
+                // Its low bits.
+                LoopStep::Computed(by) => by,
+            };
+            self.operate(ops::add(ty), [variable.at, variable.at, by], turn, counted.end);
+            let again = LoopTest { within: true, to: top, cost: test, at: counted.end };
+            self.for_test(counted, variable, step, again);
         }
         self.bind(ends.exit);
         self.bind(leave);
     }
 
-    /// The test before the first turn: goes to `leave`, or on to `top`, which comes next.
-    fn for_test(
-        &mut self,
-        step: LoopStep,
-        variable: Operand,
-        end: Operand,
-        ty: Elementary,
-        (top, leave): (CodeLabel, CodeLabel),
-        (cost, at): (u32, SourcePlace),
-    ) {
-        let less = ops::jump(ops::CompareRelation::Less, ty, true).0;
-        match step {
-            LoopStep::One => self.jump(less, leave, [end, variable], cost, at),
-            LoopStep::Constant(n, _) if n >= 0 => self.jump(less, leave, [end, variable], cost, at),
-            LoopStep::Constant(..) => self.jump(less, leave, [variable, end], cost, at),
-            LoopStep::Held(_) => {
-                self.for_again(step, variable, end, ty, top, (cost, at));
-                self.go(leave, at);
-            }
+    /// Computes the end, and jumps by whether the variable is beyond it.
+    fn for_test(&mut self, counted: &For, variable: Dest, step: LoopStep, test: LoopTest) {
+        let (at, mark) = (test.at, self.mark());
+        let end = self.value(&counted.to);
+        let mut own = Value { at: variable.at, ty: variable.ty, cost: 0, fixed: false };
+        if end.ty != own.ty {
+            // The end has more bits than the variable.
+            let to = Dest { at: self.temporary(end.ty), ty: end.ty, cost: 0 };
+            self.convert(own, to, 0, at);
+            own = Value { at: to.at, ty: end.ty, cost: 0, fixed: true };
         }
-    }
-
-    /// Goes to `top` if the variable is not past the end.
-    fn for_again(
-        &mut self,
-        step: LoopStep,
-        variable: Operand,
-        end: Operand,
-        ty: Elementary,
-        top: CodeLabel,
-        (cost, at): (u32, SourcePlace),
-    ) {
-        let within = ops::jump(ops::CompareRelation::LessEqual, ty, true).0;
+        let relation = if test.within { ops::CompareRelation::LessEqual } else { ops::CompareRelation::Less };
+        let jump = ops::jump(relation, ops::scalar(end.ty), true).0;
+        let read = if test.within && is_plain_end(&counted.to, variable.ty) { 0 } else { end.cost };
+        let cost = test.cost.saturating_add(read);
+        let upwards = if test.within { [own.at, end.at] } else { [end.at, own.at] };
+        let downwards = [upwards[1], upwards[0]];
         match step {
-            LoopStep::One => self.jump(within, top, [variable, end], cost, at),
-            LoopStep::Constant(n, _) if n >= 0 => self.jump(within, top, [variable, end], cost, at),
-            LoopStep::Constant(..) => self.jump(within, top, [end, variable], cost, at),
-            LoopStep::Held(by) => {
+            LoopStep::Constant(n) => {
+                self.jump(jump, test.to, if n >= 0 { upwards } else { downwards }, cost, at);
+            }
+            LoopStep::Computed(by) => {
                 let (down, out) = (self.label(), self.label());
                 let zero = self.constant(0, LINT).at;
                 self.jump(Op::JumpLtI64, down, [by, zero], cost, at);
-                self.jump(within, top, [variable, end], 0, at);
+                self.jump(jump, test.to, upwards, 0, at);
                 self.go(out, at);
                 self.bind(down);
-                self.jump(within, top, [end, variable], 0, at);
+                self.jump(jump, test.to, downwards, 0, at);
                 self.bind(out);
             }
         }
-    }
-
-    /// A value that is kept over the turns of a loop.
-    fn held(&mut self, expr: &Expr, ty: Ty) -> Operand {
-        if let Some(cell) = constant(expr) {
-            return self.constant(cell, ty).at;
-        }
-        let to = Dest { at: self.temporary(ty), ty, cost: 0 };
-        self.store(expr, to);
-        to.at
+        self.release(mark);
     }
 }
 
 /// How FOR counts.
 #[derive(Clone, Copy, Debug)]
 enum LoopStep {
-    One,
-    Constant(i64, Operand),
-    Held(Operand),
+    Constant(i64),
+    /// Computed into a variable of LINT.
+    Computed(Operand),
+}
+
+/// A test of FOR.
+#[derive(Clone, Copy, Debug)]
+struct LoopTest {
+    /// It jumps where the variable is not beyond the end; else where it is.
+    within: bool,
+    to: CodeLabel,
+    cost: u32,
+    at: SourcePlace,
+}
+
+/// Whether the end of FOR is a number or a variable that stands ready, of the control variable's type.
+fn is_plain_end(end: &Expr, ty: Ty) -> bool {
+    let ready = match &end.kind {
+        ExprKind::Constant(_) => true,
+        ExprKind::Load(place) => place.is_direct(),
+        _ => false,
+    };
+    ready && end.ty == ty
 }
 
 fn constant(expr: &Expr) -> Option<i64> {

@@ -128,7 +128,7 @@ impl Op {
             }
             Op::CompareText => [true, false, false],
             Op::JumpIf | Op::JumpIfNot => [false, true, false],
-            _ if within(Op::JumpEq8, Op::StepU64) => [false, true, true],
+            _ if within(Op::JumpEq8, Op::ForU64) => [false, true, true],
             Op::FrameVirtual | Op::CallThis | Op::CallVirtual | Op::CallNative => [false, true, false],
             _ => [true; 3],
         }

@@ -245,24 +245,13 @@ pub(crate) fn run<const DEBUG: bool>(
         }
         macro_rules! turn {
             ($ty:ident) => {{
-                let n = load!($ty, b);
-                let end = load!($ty, c);
-                if n < end {
+                let next = load!($ty, b).wrapping_add(1);
+                // The end may be the variable itself.
+                let end = if b == c { next } else { load!($ty, c) };
+                if next <= end {
                     pc = a as usize;
-                    put!(b, n.wrapping_add(1));
-                } else if let Some(next) = n.checked_add(1) {
-                    put!(b, next);
                 }
-            }};
-        }
-        macro_rules! by {
-            ($ty:ident, |$b:ident, $by:ident| $next:expr) => {{
-                let $b = load!($ty, b);
-                let $by = load!(i64, c);
-                match $next {
-                    Some(next) => put!(b, next),
-                    None => pc = a as usize,
-                }
+                put!(b, next);
             }};
         }
         // The frame after the running one, for a callee, with the room that it takes checked.

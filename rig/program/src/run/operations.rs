@@ -1,7 +1,7 @@
 //! The operations that only read places, compute and write a place or jump: the arms of both loops.
 
 /// Matches an operation; `rest` are the arms of the others. How places are read and written is up to the macros `one`,
-/// `two`, `divide`, `count`, `compare`, `index`, `jump`, `test`, `turn`, `by` and `fault` of the loop, and what an operation is called there to `op`.
+/// `two`, `divide`, `count`, `compare`, `index`, `jump`, `test`, `turn` and `fault` of the loop, and what an operation is called there to `op`.
 macro_rules! operations {
     ($op:expr, { $($rest:tt)* }) => {
         match $op {
@@ -220,14 +220,6 @@ macro_rules! operations {
             op!(ForU32) => turn!(u32),
             op!(ForI64) => turn!(i64),
             op!(ForU64) => turn!(u64),
-            op!(StepI8) => by!(i8, |b, by| i64::from(b).checked_add(by).and_then(|n| i8::try_from(n).ok())),
-            op!(StepU8) => by!(u8, |b, by| i64::from(b).checked_add(by).and_then(|n| u8::try_from(n).ok())),
-            op!(StepI16) => by!(i16, |b, by| i64::from(b).checked_add(by).and_then(|n| i16::try_from(n).ok())),
-            op!(StepU16) => by!(u16, |b, by| i64::from(b).checked_add(by).and_then(|n| u16::try_from(n).ok())),
-            op!(StepI32) => by!(i32, |b, by| i64::from(b).checked_add(by).and_then(|n| i32::try_from(n).ok())),
-            op!(StepU32) => by!(u32, |b, by| i64::from(b).checked_add(by).and_then(|n| u32::try_from(n).ok())),
-            op!(StepI64) => by!(i64, |b, by| b.checked_add(by)),
-            op!(StepU64) => by!(u64, |b, by| b.checked_add_signed(by)),
             $($rest)*
         }
     };

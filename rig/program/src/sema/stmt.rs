@@ -3,6 +3,7 @@
 use super::Sema;
 use super::literal::LiteralOperand;
 use super::place::PathMeaning;
+use super::promote::{exceeds, whole_constant};
 use super::types::{Type, TypeId, WRONG};
 use crate::codes::Code;
 use crate::findings::SourcePlace;
@@ -392,17 +393,58 @@ impl<'a> Sema<'a> {
         let variable = self.for_variable(&counted.variable);
         let ty = variable.as_ref().map(|(_, ty)| *ty);
         let from = ty.and_then(|ty| self.value(&counted.from, ty));
-        let to = ty.and_then(|ty| self.value(&counted.to, ty));
+        let to = ty.and_then(|ty| self.end(&counted.to, ty));
         let by = match &counted.by {
             None => Some(None),
             Some(by) => self.step(by).map(Some),
         };
         let body = self.looped(&counted.body);
-        let (mut variable, _) = variable?;
+        let (mut variable, ty) = variable?;
         if through_pointer(&counted.variable) {
             self.hold_address(&mut variable, out);
         }
-        Some(StmtKind::For(Box::new(For { variable, from: from?, to: to?, by: by?, body, end: counted.end })))
+        let (from, to, by) = (from?, to?, by?);
+        if let Some(scalar) = self.scalar(ty) {
+            self.check_end(scalar, &from, &to, by.as_ref());
+        }
+        Some(StmtKind::For(Box::new(For { variable, from, to, by, body, end: counted.end })))
+    }
+
+    /// The end of FOR: it is only compared, so it is not cut.
+    fn end(&mut self, written: &ast::Expr, ty: TypeId) -> Option<Expr> {
+        let end = self.value(written, ty)?;
+        if exceeds(&end) {
+            self.check_below_0(&end);
+        }
+        Some(self.promoted(end))
+    }
+
+    /// Warns of a loop whose control variable cannot get beyond its end.
+    fn check_end(&mut self, ty: Elementary, from: &Expr, to: &Expr, by: Option<&Expr>) {
+        let step = by.map_or(Some(1), whole_constant);
+        let (Some(end), Some(step)) = (whole_constant(to), step) else { return };
+        let (low, high) = ty.range();
+        let (limit, other) = if step > 0 { (high, low) } else { (low, high) };
+        let last = match whole_constant(from) {
+            Some(from) if (end - from) * step.signum() < 0 => return,
+            Some(from) => from + (end - from) / step * step,
+            None => end,
+        };
+        // Where the start is not known, it may be such that the steps meet the end.
+        let next = if whole_constant(from).is_some() { last + step } else { end + step.signum() };
+        if low <= next && next <= high {
+            return;
+        }
+        let message = format!("the loop does not end: {} goes on at {other} after {limit}", ty.name());
+        let wider = [Elementary::Int, Elementary::Dint, Elementary::Lint].into_iter().find(|wider| {
+            let (least, most) = wider.range();
+            least <= next && next <= most
+        });
+        let help = match wider {
+            Some(wider) => format!("count in {}", wider.name()),
+            None => "end one step earlier".to_string(),
+        };
+        self.findings.warning(Code::Endless, to.at, message, help);
     }
 
     /// Keeps where a control variable is, so that a pointer that the body changes leads the loop nowhere else.

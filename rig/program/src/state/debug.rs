@@ -121,7 +121,7 @@ impl Debug {
 impl Op {
     /// Whether it may go on at its `a` or after itself.
     pub(crate) fn branches(self) -> bool {
-        (self as u16 >= Op::JumpIf as u16) && (self as u16 <= Op::StepU64 as u16)
+        (self as u16 >= Op::JumpIf as u16) && (self as u16 <= Op::ForU64 as u16)
     }
 }
 

@@ -296,17 +296,12 @@ proptest! {
     }
 
     #[test]
-    fn loops(b in number(), c in number(), by in prop_oneof![-3i64..4, any::<i64>()]) {
+    fn loops(b in number(), c in number()) {
         const FOR: [Op; 8] = [ForI8, ForU8, ForI16, ForU16, ForI32, ForU32, ForI64, ForU64];
-        const STEP: [Op; 8] = [StepI8, StepU8, StepI16, StepU16, StepI32, StepU32, StepI64, StepU64];
         for (nth, ty) in IU.into_iter().enumerate() {
             let (n, end) = (read(ty, b), read(ty, c));
-            let next = n + 1;
-            let held = read(ty, cut(ty, next)) == next;
-            prop_assert_eq!(turn(FOR[nth], b, c), (n < end, if held { over(ty, b, next) } else { b }), "{:?}", FOR[nth]);
-            let next = n + i128::from(by);
-            let held = read(ty, cut(ty, next)) == next;
-            prop_assert_eq!(turn(STEP[nth], b, by as u64), (!held, if held { over(ty, b, next) } else { b }), "{:?}", STEP[nth]);
+            let next = read(ty, cut(ty, n + 1));
+            prop_assert_eq!(turn(FOR[nth], b, c), (next <= end, over(ty, b, next)), "{:?}", FOR[nth]);
         }
     }
 }

@@ -23,7 +23,7 @@ fn operations() -> Vec<Op> {
         Move8 Move16 Move32 Move64 Copy Address Add8 Add16 Add32 Add64 AddF32 AddF64 SubF32 MulF64 DivI8 DivU64 DivF32
         ModI32 NegF32 AbsI64 AbsF32 MinF32 MaxF64 MinI8 MaxU64 NotBool Not64 Shl8 ShrU64 ShrI32 Rol16 Ror32 EqF32 LtU8
         LeI64 Sign8To64 Zero32To64 I16ToF32 F32ToF64 Convert IndexI8 IndexU8 IndexI32 IndexU64 LoadBit StoreBit Jump JumpIf
-        JumpIfNot JumpEq8 JumpLtF32 JumpNotLeF64 ForI8 ForU64 StepI8 StepI64 StepU64 Frame FrameVirtual Call CallThis
+        JumpIfNot JumpEq8 JumpLtF32 JumpNotLeF64 ForI8 ForU64 Frame FrameVirtual Call CallThis
         CallSame CallVirtual CallNative CallLibrary MoveText CompareText IsKind Return
     }
     all

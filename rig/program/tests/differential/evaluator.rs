@@ -377,7 +377,14 @@ impl Walk {
                 let [load, store, op, _] = costs(*ty);
                 self.cost += store;
                 self.set(name, V::N(*from));
-                let to = whole(cut(*ty, self.value(*ty, to)?));
+                    // The end is computed before each turn; reading a variable is charged once.
+                    let before = self.cost;
+                    let to = whole(self.value(*ty, to)?);
+                    if !std::mem::take(&mut first) && plain {
+                        self.cost = before;
+                    }
+                let plain = matches!(to, E::Literal(_) | E::Variable(_));
+                let mut first = true;
                 loop {
                     self.cost += load + op + BRANCH;
                     let n = whole(self.get(name));
@@ -390,12 +397,8 @@ impl Walk {
                         End::Through | End::Continue => {}
                     }
                     self.cost += load + op + store + BRANCH;
-                    // What does not fit is not stored: the loop is over.
                     let next = whole(self.get(name)) + by;
-                    if wrap(next, *ty) != next {
-                        break;
-                    }
-                    self.set(name, V::N(next));
+                    self.set(name, V::N(wrap(next, *ty)));
                 }
             }
             S::While(guard, condition, body) => {

@@ -252,7 +252,7 @@ impl Maker {
                     E::Binary("MOD", inner, Box::new(E::Literal(V::N(5))))
                 };
                 if self.random.below(2) == 0 {
-                    let end = small(self);
+                    let end = if self.random.below(2) == 0 { E::Literal(V::N(3)) } else { small(self) };
                     S::For(ty, name, 0, end, 1, body)
                 } else {
                     S::For(ty, name, 7, E::Literal(V::N(1)), -2, body)

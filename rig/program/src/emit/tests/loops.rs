@@ -84,18 +84,35 @@ fn for_counts_by_any_step() {
 }
 
 #[test]
-fn for_ends_where_its_type_does() {
+fn for_goes_on_at_the_other_end_of_its_type() {
     use Elementary::{Sint, Usint};
-    let ran = run(vec![counted(125, number(127, Sint), None, vec![grow(1)], Sint)]);
-    assert_eq!((ran.cell(0, Int), ran.cell(8, Sint)), (3, 127));
-    let ran = run(vec![counted(250, number(255, Usint), Some(number(4, Lint)), vec![grow(1)], Usint)]);
-    assert_eq!((ran.cell(0, Int), ran.cell(8, Usint)), (2, 254));
+    let five = || {
+        let exit = vec![stmt(StmtKind::Exit)];
+        let arms = vec![(compare(BinaryOp::Equal, 5), exit)];
+        vec![grow(1), stmt(StmtKind::If { arms, otherwise: vec![] })]
+    };
+    let ran = run(vec![counted(125, number(127, Sint), None, five(), Sint)]);
+    assert_eq!((ran.cell(0, Int), ran.cell(8, Sint)), (5, -127));
+    let ran = run(vec![counted(250, number(255, Usint), Some(number(4, Lint)), five(), Usint)]);
+    assert_eq!((ran.cell(0, Int), ran.cell(8, Usint)), (5, 10));
 }
 
 #[test]
-fn for_computes_its_end_once() {
-    let ran = run(vec![set(n(), number(3, Int)), counted(1, load(n()), None, vec![grow(1)], Int)]);
-    assert_eq!((ran.cell(0, Int), ran.cell(8, Int)), (6, 4));
+fn for_computes_its_end_before_each_turn() {
+    let (test, next) = (32 + 42 + 20, 32 + 42 + 32 + TURN);
+    let before = || vec![set(n(), number(6, Int))];
+    let ran = run_after(before(), vec![counted(1, load(n()), None, vec![grow(-1)], Int)]);
+    assert_eq!((ran.cell(0, Int), ran.cell(8, Int)), (3, 4));
+    // Reading it is charged once.
+    assert_eq!(ran.nanos, 32 + 32 + 4 * test + 3 * (GROW + next));
+    // The same where it takes operations, and where it has more bits than the variable.
+    let sum = binary(BinaryOp::Add, load(n()), number(0, Int), Int);
+    let wide = |inner| typed(ExprKind::Reinterpret(Box::new(inner)), Ty::Promoted(Int));
+    for (end, more) in [(sum, 32 + 42), (wide(load(n())), 32)] {
+        let ran = run_after(before(), vec![counted(1, end, None, vec![grow(-1)], Int)]);
+        assert_eq!((ran.cell(0, Int), ran.cell(8, Int)), (3, 4));
+        assert_eq!(ran.nanos, 32 + 4 * (test + more) + 3 * (GROW + next));
+    }
 }
 
 #[test]

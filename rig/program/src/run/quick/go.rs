@@ -157,26 +157,9 @@ impl Quick {
                     ($ty:ident, $end:expr) => {{
                         let at = b!();
                         let n = load!($ty, at);
-                        if n < $end {
-                            put!(at, n.wrapping_add(1));
-                            enter!(step.a);
-                        }
-                        if let Some(next) = n.checked_add(1) {
-                            put!(at, next);
-                        }
-                        next!();
-                    }};
-                }
-                macro_rules! by {
-                    ($ty:ident, |$b:ident, $by:ident| $next:expr) => {{
-                        let at = b!();
-                        let $b = load!($ty, at);
-                        let $by = load!(i64, c!());
-                        match $next {
-                            Some(next) => put!(at, next),
-                            None => enter!(step.a),
-                        }
-                        next!();
+                        let next = n.wrapping_add(1);
+                        put!(at, next);
+                        branch!(next <= $end)
                     }};
                 }
                 // The constant that the step holds.
