@@ -192,8 +192,8 @@ pub(crate) enum ExprKind {
     Reinterpret(Box<Expr>),
     /// `pointer + n` bytes; the number is LINT.
     Offset(Box<Expr>, Box<Expr>),
-    /// SEL and MUX: the selector (a whole number of any type, BOOL for SEL) and the values, of which all are computed; a selector
-    /// that is none of them takes the first or the last.
+    /// SEL and MUX: the selector (a whole number of any type, BOOL for SEL) and the values, of which the one that is taken
+    /// is computed; a selector that is none of them takes the first or the last.
     Select(Box<Expr>, Vec<Expr>),
     /// A function of the library with the generic type of the call.
     Library(&'static crate::library::Function, Elementary, Vec<Expr>),

@@ -325,19 +325,15 @@ impl Emitter<'_, '_, '_> {
         ([a.at, b.at], ty, cost)
     }
 
-    /// SEL and MUX: all values are computed, one is taken.
+    /// SEL and MUX: only the value that is taken is computed.
     fn select(&mut self, which: &Expr, choices: &[Expr], to: Dest, at: SourcePlace) {
-        let all: Vec<&Expr> = std::iter::once(which).chain(choices).collect();
-        let values = self.values(&all);
-        let Some((which, choices)) = values.split_first() else { return };
+        let which = self.value(which);
         let Some((last, others)) = choices.split_last() else { return };
         let op = match to.ty {
             Ty::Scalar(_) | Ty::Promoted(_) | Ty::Address => self.costs.op(ops::priced(to.ty)),
             Ty::Text { .. } | Ty::Block { .. } => self.copying(to.ty),
         };
-        let mut cost =
-            values.iter().fold(op.saturating_add(to.cost), |sum, value| sum.saturating_add(value.cost));
-        let to = Dest { cost: 0, ..to };
+        let mut cost = op.saturating_add(which.cost);
         let ty = ops::scalar(which.ty);
         let (end, at_most) = (self.label(), ops::jump(ops::CompareRelation::LessEqual, ty, true).0);
         let mut labels = Vec::new();
@@ -347,13 +343,26 @@ impl Emitter<'_, '_, '_> {
             self.jump(at_most, label, [which.at, limit.at], std::mem::take(&mut cost), at);
             labels.push(label);
         }
-        self.transfer(to, Value { cost: 0, ..*last }, cost, at);
+        self.choose(last, Dest { cost: to.cost.saturating_add(cost), ..to });
         for (label, value) in labels.into_iter().zip(others) {
             self.jump(Op::Jump, end, [Operand(0); 2], 0, at);
             self.bind(label);
-            self.transfer(to, Value { cost: 0, ..*value }, 0, at);
+            self.choose(value, to);
         }
         self.bind(end);
+    }
+
+    /// Computes a value of SEL or MUX into the destination.
+    fn choose(&mut self, value: &Expr, to: Dest) {
+        let mark = self.mark();
+        if self.enter(value.at) {
+            match self.in_place(value) {
+                Some(found) => self.transfer(to, found, 0, value.at),
+                None => self.compute(value, to),
+            }
+        }
+        self.leave();
+        self.release(mark);
     }
 }
 

@@ -232,17 +232,14 @@ impl Walk {
             }
             E::Select(which, all) => {
                 let which = whole(self.value(Bool, which)?);
-                let all = [self.value(ty, &all[0])?, self.value(ty, &all[1])?];
                 self.cost += op;
-                all[which as usize]
+                self.value(ty, &all[which as usize])?
             }
             E::Multiplex(which, all) => {
                 let which = whole(self.value(Usint, which)?);
-                let all: Result<Vec<V>> = all.iter().map(|e| self.value(ty, e)).collect();
-                let all = all?;
                 self.cost += op;
-                // The last one for a number beyond, as the rig defines it.
-                all[(which as usize).min(all.len() - 1)]
+                // The last one for a number beyond, as the tool's help says.
+                self.value(ty, &all[(which as usize).min(all.len() - 1)])?
             }
             E::Converted(from, a) => {
                 let a = self.value(*from, a)?;
@@ -377,15 +374,15 @@ impl Walk {
                 let [load, store, op, _] = costs(*ty);
                 self.cost += store;
                 self.set(name, V::N(*from));
+                let plain = matches!(to, E::Literal(_) | E::Variable(_));
+                let mut first = true;
+                loop {
                     // The end is computed before each turn; reading a variable is charged once.
                     let before = self.cost;
                     let to = whole(self.value(*ty, to)?);
                     if !std::mem::take(&mut first) && plain {
                         self.cost = before;
                     }
-                let plain = matches!(to, E::Literal(_) | E::Variable(_));
-                let mut first = true;
-                loop {
                     self.cost += load + op + BRANCH;
                     let n = whole(self.get(name));
                     if if *by > 0 { n > to } else { n < to } {

@@ -176,7 +176,9 @@ fn selections_take_one_of_all() {
         let mux = typed(ExprKind::Select(Box::new(load(global(0, Int))), values), one(Dint));
         let before = vec![set(global(0, Int), number(k, Int)), set(x(), number(5, Dint))];
         let ran = run_after(before, vec![set(x(), mux)]);
-        assert_eq!((ran.cell(4, Dint), ran.nanos), (taken, 32 + 24 + 41 + 25), "{k}");
+        // Only what is taken is read.
+        let read = if k == 1 { 24 } else { 0 };
+        assert_eq!((ran.cell(4, Dint), ran.nanos), (taken, 32 + read + 41 + 25), "{k}");
     }
 }
 
