@@ -360,3 +360,14 @@ fn implicit_conversions_keep_the_number() {
     }
     check(&cases, 1);
 }
+
+#[test]
+fn powers_of_whole_numbers_have_the_digits_of_an_lreal() {
+    // The tool's help: EXPT of whole numbers gives an LREAL. REAL holds 24 bits.
+    let rig = once(
+        "VAR i : INT := 3; j : INT := 16; u : USINT := 7; d, e, f : DINT; l : LREAL; END_VAR",
+        "d := LREAL_TO_DINT(i ** j); e := TO_DINT(EXPT(u, 10)); l := EXPT(3, 33); f := TO_DINT(i ** 17);",
+    );
+    assert_eq!((rig.int("d"), rig.int("e"), rig.int("f")), (43_046_721, 282_475_249, 129_140_163));
+    assert_eq!(rig.read("l"), Value::Real(5_559_060_566_555_523.0));
+}

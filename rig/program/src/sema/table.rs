@@ -290,7 +290,8 @@ impl Sema<'_> {
                 Some(ty) if ty.is_real() => Some(self.elementary(ty)),
                 // Literals are as exact as can be.
                 Some(ty) if ty.is_integer() => {
-                    let exact = ty.bits() <= 16 && !common.is_literal();
+                    // Powers soon need more digits than REAL has.
+                    let exact = ty.bits() <= 16 && !common.is_literal() && function.name != "EXPT";
                     Some(self.elementary(if exact { Elementary::Real } else { Elementary::Lreal }))
                 }
                 _ => None,
