@@ -345,3 +345,36 @@ fn a_slip_in_a_name_is_seen() {
     assert_eq!(help("Cuont := 1;"), "did you mean Count?");
     assert_eq!(help("delay(IM := TRUE);"), "`TON` has IN, PT");
 }
+
+#[test]
+fn results_and_locals_start_at_the_initial_values_of_their_types() {
+    // IEC 61131-3, 6.6.2.2: a result is a variable of the function, and has the initial value of its type.
+    let mut rig = Rig::new(
+        "TYPE level : INT := 5; high : level := 9; part : UINT (10..90) := 20; plain : UINT (10..90);
+            mode : (idle := 3, run := 7) := run; name : STRING[8] := 'none'; row : ARRAY[0..1] OF INT := [4, 6];
+            rec : STRUCT a : level; b : INT := 2; END_STRUCT; END_TYPE
+        FUNCTION f : level VAR l : level; END_VAR f := f + l; END_FUNCTION
+        FUNCTION g : high g := g + 1; END_FUNCTION
+        FUNCTION h : part h := h + 1; END_FUNCTION
+        FUNCTION p : plain p := p + 1; END_FUNCTION
+        FUNCTION m : mode VAR x : INT; END_VAR x := 1; END_FUNCTION
+        FUNCTION t : name VAR x : INT; END_VAR x := 1; END_FUNCTION
+        FUNCTION a : row a[0] := a[0] + 1; END_FUNCTION
+        FUNCTION r : rec r.a := r.a + 1; END_FUNCTION
+        FUNCTION_BLOCK b METHOD v : level v := v + 1; END_METHOD
+            PROPERTY q : level GET q := q + 2; END_GET END_PROPERTY END_FUNCTION_BLOCK
+        PROGRAM MAIN VAR i : b; x : ARRAY[0..9] OF INT; s : STRING; named : BOOL; y : row; z : rec; e : mode; END_VAR
+        VAR_TEMP w : level; END_VAR
+        x[0] := f(); x[1] := f(); x[2] := g(); x[3] := UINT_TO_INT(h()); x[4] := UINT_TO_INT(p()); e := m(); s := t(); named := s = 'none';
+        y := a(); z := r(); x[5] := i.v(); x[6] := i.q; x[7] := w; w := 8; END_PROGRAM",
+    );
+    // The same in every call.
+    for _ in 0..2 {
+        rig.cycle();
+        let found: Vec<i128> = (0..8).map(|n| rig.int(&format!("MAIN.x[{n}]"))).collect();
+        assert_eq!(found, [10, 10, 10, 21, 11, 6, 7, 5]);
+        assert_eq!((rig.int("MAIN.e"), rig.int("MAIN.y[0]"), rig.int("MAIN.y[1]")), (7, 5, 6));
+        assert_eq!((rig.int("MAIN.z.a"), rig.int("MAIN.z.b")), (6, 2));
+        assert!(rig.on("MAIN.named"));
+    }
+}

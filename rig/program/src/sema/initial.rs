@@ -199,6 +199,12 @@ impl<'a> Sema<'a> {
     /// Initial values in the frame of a callable: constants into its image. What is no constant is assigned when the
     /// call begins, which is noted here and made by [`Self::prologue`].
     pub(super) fn frame_initials(&mut self, place: u32) {
+        let result = self.callables.get(place as usize).and_then(|c| Some((c.result_ref?, c.result?)));
+        if let Some((written, ty)) = result
+            && let Some(initial) = self.type_initial(written)
+        {
+            self.frame_initial(place, ty, initial, 0);
+        }
         let symbols = self.callables.get(place as usize).map_or(Vec::new(), |c| c.symbols.clone());
         for symbol in symbols {
             let inherited = self.type_initial(&symbol.decl.ty);
@@ -211,14 +217,7 @@ impl<'a> Sema<'a> {
                     if self.is_dynamic(&symbol, initial) {
                         continue;
                     }
-                    let mut frame = self
-                        .callables
-                        .get_mut(place as usize)
-                        .map_or(Vec::new(), |c| std::mem::take(&mut c.frame));
-                    self.write_initial(symbol.type_id(), initial, &mut frame, at);
-                    if let Some(callable) = self.callables.get_mut(place as usize) {
-                        callable.frame = frame;
-                    }
+                    self.frame_initial(place, symbol.type_id(), initial, at);
                 }
                 Home::Absolute(address) => self.data_initial(&symbol, address),
                 Home::FrameAddress(_) => {
@@ -227,6 +226,16 @@ impl<'a> Sema<'a> {
                 }
                 _ => {}
             }
+        }
+    }
+
+    /// Writes an initial value to an offset of a callable's frame.
+    fn frame_initial(&mut self, place: u32, ty: TypeId, initial: &'a Initializer, at: u32) {
+        let callable = self.callables.get_mut(place as usize);
+        let mut frame = callable.map_or(Vec::new(), |c| std::mem::take(&mut c.frame));
+        self.write_initial(ty, initial, &mut frame, at);
+        if let Some(callable) = self.callables.get_mut(place as usize) {
+            callable.frame = frame;
         }
     }
 
