@@ -61,6 +61,7 @@ codes! {
     NotAValue = "S0307", "A name is not one of a value";
     Index = "S0308", "An index does not suit its array";
     NotCut = "S0309", "A difference is not cut to its type";
+    Inexact = "S0310", "A REAL is compared with a number that it does not hold";
     ReadOnly = "S0401", "The target cannot be assigned to";
     Condition = "S0402", "A condition is not BOOL";
     CaseLabel = "S0403", "A label of CASE is wrong";

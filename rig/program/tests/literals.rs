@@ -1,6 +1,7 @@
 //! Literals in every written form, as initial values, operands and arguments (IEC 61131-3, tables 5 to 9), with the
 //! ranges of controller:DT-01.
 
+use crate::support::oracle::verdicts;
 use crate::support::{codes, once};
 use signal::Value;
 
@@ -290,4 +291,28 @@ fn initial_values_of_structures_and_arrays() {
         );
         assert_eq!(codes(&text), [code], "{declaration}");
     }
+}
+
+#[test]
+fn a_real_compared_with_a_number_that_it_does_not_hold_is_warned_of() {
+    let declarations = "VAR_GLOBAL r : REAL; l : LREAL; i : INT; x : BOOL; END_VAR";
+    let cases = [
+        ("x := r = 0.1;", true),
+        ("x := 16777217.0 <> r;", true),
+        ("x := EQ(r, -0.3);", true),
+        ("x := r = REAL#0.1;", false),
+        ("x := r = 0.5;", false),
+        ("x := r = 0;", false),
+        ("x := r < 0.1;", false),
+        ("x := l = 0.1;", false),
+        ("x := ABS(r - 0.1) < 0.001;", false),
+    ];
+    let statements: Vec<String> = cases.iter().map(|(text, _)| text.to_string()).collect();
+    for ((text, warned), found) in cases.iter().zip(verdicts(declarations, &statements)) {
+        assert_eq!(found.contains(&"S0310"), *warned, "{text}: {found:?}");
+    }
+    // The literal is of the type that it stands beside.
+    let rig =
+        once("VAR r : REAL := 0.1; l : LREAL; a, b : BOOL; END_VAR", "a := r = 0.1; l := r; b := l = 0.1;");
+    assert!(rig.on("a") && !rig.on("b"));
 }

@@ -119,6 +119,7 @@ impl<'a> Sema<'a> {
             return LiteralOperand::Wrong;
         };
         let Some(kind) = self.operation(op, ty, at) else { return LiteralOperand::Wrong };
+        self.check_exact(kind, ty, &a, &b, at);
         if matches!(kind, BinaryOp::Divide | BinaryOp::Mod) && self.is_zero(&b) && !self.is_real(ty) {
             self.findings.error(Code::DivisionByZero, at, "a division by 0", "");
             return LiteralOperand::Wrong;
@@ -155,6 +156,32 @@ impl<'a> Sema<'a> {
             }
             operand => self.give(operand, ty, at),
         }
+    }
+
+    /// Warns where a REAL is tested for a number that no REAL is: a tool that computes with LREAL finds another outcome.
+    fn check_exact(
+        &mut self,
+        kind: BinaryOp,
+        ty: TypeId,
+        a: &LiteralOperand,
+        b: &LiteralOperand,
+        at: SourcePlace,
+    ) {
+        let (double, single) = match (a, b) {
+            (LiteralOperand::Real(double, single), LiteralOperand::Value(..))
+            | (LiteralOperand::Value(..), LiteralOperand::Real(double, single)) => (double, single),
+            _ => return,
+        };
+        let exact = f64::from(*single) == *double;
+        if exact
+            || self.scalar(ty) != Some(Elementary::Real)
+            || !matches!(kind, BinaryOp::Equal | BinaryOp::NotEqual)
+        {
+            return;
+        }
+        let message = format!("no REAL is {double}: the nearest one is compared, {single:.9}");
+        let help = "compare with a margin, as in ABS(a - b) < 0.001; REAL#... says that the nearest is meant";
+        self.findings.warning(Code::Inexact, at, message, help);
     }
 
     fn is_real(&self, ty: TypeId) -> bool {
