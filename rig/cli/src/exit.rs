@@ -1,7 +1,6 @@
 //! The exit codes, a contract with scripts and CI.
 
-use crate::output;
-use record::{RunRecord, Verdict};
+use record::Verdict;
 use std::process::ExitCode;
 
 /// The exit codes, as `--help` and the README list them.
@@ -37,27 +36,6 @@ impl ExitStatus {
             ExitStatus::Error => 4,
             ExitStatus::Interrupted => 130,
         }
-    }
-
-    /// The exit of a run. One in which no case was judged says nothing of the controller: that is no pass, but for a part
-    /// of a suite, whose other parts have the cases. Why is printed.
-    pub fn of_run(run: &RunRecord) -> ExitStatus {
-        let (totals, verdict) = (&run.totals, run.verdict());
-        if totals.judged() > 0 {
-            return ExitStatus::of(verdict);
-        }
-        if run.shard.is_some() {
-            output::note(
-                "no case of this part was judged: `rig report --merge` ends by the verdict of all parts",
-            );
-            return ExitStatus::Passed;
-        }
-        let message = match totals.not_applicable {
-            1 => String::from("no case was judged: the only one does not apply here"),
-            count => format!("no case was judged: none of {count} applies here"),
-        };
-        let help = "the line of each case says why with `--status-level all`; select other cases, or name a board that has what they need";
-        output::refuse("R0231", message, help)
     }
 
     /// The exit of what came to this.

@@ -29,6 +29,7 @@ mod report;
 mod requirements;
 mod rig_address;
 mod run;
+mod run_exit;
 mod saved_runs;
 mod schema;
 mod selection;

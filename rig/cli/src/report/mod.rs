@@ -4,7 +4,7 @@ mod merge;
 mod waves;
 
 use crate::exit::ExitStatus;
-use crate::output;
+use crate::{output, run_exit};
 use crate::saved_runs::report_folder::{ReportFolder, ReportFormat};
 use crate::saved_runs::{self, SavedRun};
 use clap::{Args, ValueEnum};
@@ -85,7 +85,7 @@ fn merge_all(args: &ReportArgs, forms: &[ReportFormat]) -> Result<ExitStatus, Ve
     let style = reports::text::Style { color: output::color_out(), quiet: false };
     output::print(&format!("{}\n", reports::text::summary(&whole, style).trim_end()));
     print_written(&store, forms);
-    Ok(ExitStatus::of_run(&whole))
+    Ok(run_exit::of(&whole))
 }
 
 /// Says where the page is, or whatever was drawn first.

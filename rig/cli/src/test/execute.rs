@@ -9,7 +9,7 @@ use crate::exit::ExitStatus;
 use crate::operator::TerminalOperator;
 use crate::saved_runs::provenance;
 use crate::saved_runs::report_folder::ReportFolder;
-use crate::{output, requirements};
+use crate::{output, requirements, run_exit};
 use document::{Diagnostic, SourceFile};
 use record::{CaseRecord, RunRecord, Verdict};
 use runtime::application::coverage::CoverageTotal;
@@ -46,10 +46,12 @@ pub fn execute(
     let hardware = hardware(args, loaded, jobs, sources)?;
     let real = hardware.is_some() || args.clock == Some(ClockChoice::Real);
     let clock = if real { record::RunClock::Real } else { record::RunClock::Virtual };
-    let folder = args.report.as_deref().map(ReportFolder::new).transpose().map_err(|error| {
-        output::error(&error);
-        ExitStatus::UserFiles
-    })?;
+    let folder = args
+        .report
+        .as_deref()
+        .map(ReportFolder::new)
+        .transpose()
+        .map_err(|error| output::refuse("R0167", error, "name a folder that you may write to"))?;
     // One question at a time.
     let at_once = if asks { 1 } else { at_once(args, real).min(jobs.len()) };
     let mut collector = RunCollector {
@@ -207,7 +209,7 @@ impl RunCollector {
         if INTERRUPT.load(Ordering::Relaxed) {
             return ExitStatus::Interrupted;
         }
-        if self.wrong_files { ExitStatus::UserFiles } else { ExitStatus::of_run(&self.run) }
+        if self.wrong_files { ExitStatus::UserFiles } else { run_exit::of(&self.run) }
     }
 }
 
