@@ -1,7 +1,6 @@
 //! Who has a device of this machine.
 
 use std::fs;
-use std::io::Read;
 use std::os::unix::fs::{FileTypeExt, MetadataExt};
 use std::path::Path;
 
@@ -107,9 +106,8 @@ pub(crate) fn all_holders(path: &Path) -> Vec<Holder> {
 /// number of a process, in ten columns. One whose process is no more means nothing.
 fn lock(folder: &Path, device: &Path) -> Option<Holder> {
     let file = folder.join(format!("LCK..{}", device.file_name()?.to_str()?));
-    let mut text = String::new();
-    // Whatever else lies there under this name is not read to its end.
-    fs::File::open(file).ok()?.take(64).read_to_string(&mut text).ok()?;
+    // Everybody may write into the folder: whatever else lies there under this name is not waited for, nor read to its end.
+    let text = String::from_utf8(document::file::read_start(&file, 64).ok()?).ok()?;
     let process: u32 = text.split_whitespace().next()?.parse().ok()?;
     Holder::of(process)
 }

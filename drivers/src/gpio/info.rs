@@ -1,6 +1,10 @@
 //! What GPIO chips and lines there are, and who holds them. Nothing is claimed to find out.
 
+use std::fs::OpenOptions;
+use std::os::unix::fs::{FileTypeExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
+
+use rustix::fs::OFlags;
 
 use super::error::{GpioCall, GpioError};
 
@@ -116,15 +120,19 @@ pub fn list() -> Result<Vec<Result<ChipInfo, GpioError>>, GpioError> {
 /// It cannot be opened or asked; a path that is no GPIO chip is `ENODEV`.
 pub fn look(path: &Path) -> Result<ChipInfo, GpioError> {
     let failed = |call, error: &gpiocdev::Error| GpioError::v2(path, call, error);
-    if let Err(error) = std::fs::File::open(path) {
-        return Err(GpioError::new(path, GpioCall::Open, &error));
+    let unopened = |error: &std::io::Error| GpioError::new(path, GpioCall::Open, error);
+    let no_chip = || GpioError { device: path.into(), call: GpioCall::Open, errno: rustix::io::Errno::NODEV };
+    // What the board file names may be a pipe, whose opening waits for whoever writes into it.
+    let about = std::fs::metadata(path).map_err(|error| unopened(&error))?;
+    if !about.file_type().is_char_device() {
+        return Err(no_chip());
     }
+    let flags = i32::try_from(OFlags::NONBLOCK.bits()).unwrap_or(0);
+    let opened = OpenOptions::new().read(true).custom_flags(flags).open(path);
+    drop(opened.map_err(|error| unopened(&error))?);
     let chip = match gpiocdev::chip::Chip::from_path(path) {
         Ok(chip) => chip,
-        Err(gpiocdev::Error::GpioChip(..)) => {
-            let errno = rustix::io::Errno::NODEV;
-            return Err(GpioError { device: path.into(), call: GpioCall::Open, errno });
-        }
+        Err(gpiocdev::Error::GpioChip(..)) => return Err(no_chip()),
         Err(error) => return Err(failed(GpioCall::Open, &error)),
     };
     let info = chip.info().map_err(|error| failed(GpioCall::ChipInfo, &error))?;

@@ -79,7 +79,7 @@ fn check(
     sources: &mut Vec<SourceFile>,
 ) -> Vec<Diagnostic> {
     if Path::new(path).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("st")) {
-        return match suite::load(&Disk, path) {
+        return match suite::load_program(&Disk, path) {
             Err(found) => vec![found],
             Ok(source) => {
                 sources.push(source);

@@ -5,10 +5,11 @@
 //! list of [`KeySpec`]s and gives typed access, [`Findings`] collects what is wrong, [`render`] shows it.
 //!
 //! Goals: several findings in one run, every finding with the exact place and the fix, bounded memory for any
-//! input. Not goals: writing TOML, opening files.
+//! input; no file of the user is read without a limit ([`file`]). Not goals: writing files.
 
 mod diagnostic;
 mod fields;
+pub mod file;
 mod findings;
 mod joined;
 pub mod keys;
@@ -29,7 +30,7 @@ pub use keys::{KeySpec, KeyType};
 pub use patterns::DURATION;
 pub use place::line_col;
 pub use render::render;
-pub use suggest::suggest;
+pub use suggest::{distance, suggest};
 pub use tree::{Data, Entry, Node, Table, ValueOrigin};
 
 /// Declares a register of codes: a constant for each, visible in the crate, and the public list `CODES` of all with

@@ -21,6 +21,12 @@ pub fn suggest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     best.map(|(_, candidate)| candidate)
 }
 
+/// How many letters have to be changed, added, left out or exchanged with their neighbours to make one word of another;
+/// `None` for words longer than any name.
+pub fn distance(one: &str, other: &str) -> Option<usize> {
+    (one.len().max(other.len()) <= 64).then(|| strsim::damerau_levenshtein(one, other))
+}
+
 #[cfg(test)]
 mod tests {
     use super::suggest;

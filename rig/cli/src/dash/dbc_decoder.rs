@@ -4,6 +4,7 @@ use control::{FrameSeen, RequestFault, Value};
 use dash::frame_decoder::{DecodedFrame, FrameDecoder};
 use plans::frames::can::{DbcDatabase, FieldSpec, MessageSpec};
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::Arc;
 
 /// A description of frames cannot be read.
@@ -26,11 +27,7 @@ pub fn read(path: &str) -> Result<Box<dyn FrameDecoder>, RequestFault> {
         message: format!("`{path}` cannot be read: {what}"),
         help: "name a DBC file".to_owned(),
     };
-    let size = std::fs::metadata(path).map_err(|error| failed(&error))?.len();
-    if size > MOST {
-        return Err(failed(&format_args!("it has more than {MOST} bytes")));
-    }
-    let bytes = std::fs::read(path).map_err(|error| failed(&error))?;
+    let bytes = document::file::read(Path::new(path), MOST).map_err(|fault| failed(&fault))?;
     // Comments of older files are in other encodings; names are not.
     let text = String::from_utf8_lossy(&bytes);
     let database = DbcDatabase::parse(&text).map_err(|fault| failed(&fault))?;

@@ -5,10 +5,12 @@ use capture::{Capture, CaptureFormat, ChannelType};
 use control::{RequestFault, SignalKind, Value, WireValue};
 use dash::frame_decoder::FrameDecoder;
 use dash::recording::{RecordedChange, RecordedSignal, TrendFiles, TrendRecording};
+use document::file::FileFault;
 use serde_json::json;
 use signal::{Cause, Event, SignalId, SignalInfo, Time, Trace, ValueKind, When};
 use std::fs::File;
-use std::io::{BufWriter, Read, Write};
+use std::io::{BufWriter, Write};
+use std::path::Path;
 
 /// The ending of a path names no format that is written.
 const NO_FORMAT: &str = "R0680";
@@ -57,13 +59,11 @@ impl TrendFiles for HostTrendFiles {
         let failed =
             |what: String, help: &str| fault(NOT_READ, format!("`{path}` cannot be read: {what}"), help);
         let other = "name a value change dump, a table with a column of instants, or a sigrok session";
-        let file = File::open(path).map_err(|error| failed(error.to_string(), other))?;
-        let mut bytes = Vec::new();
-        let read = file.take(capture::MAX_FILE + 1).read_to_end(&mut bytes);
-        read.map_err(|error| failed(error.to_string(), other))?;
-        if bytes.len() as u64 > capture::MAX_FILE {
-            return Err(failed("it is larger than 256 MiB".to_owned(), "cut a part out of it"));
-        }
+        let bytes = document::file::read(Path::new(path), capture::MAX_FILE).map_err(|fault| {
+            let help =
+                if matches!(fault, FileFault::TooLarge { .. }) { "cut a part out of it" } else { other };
+            failed(fault.to_string(), help)
+        })?;
         let format = CaptureFormat::of(&bytes, path)
             .ok_or_else(|| failed("its format is not known".to_owned(), other))?;
         let capture =

@@ -5,6 +5,7 @@ use super::{JudgeArgs, mapping};
 use crate::output;
 use crate::plan_files::Parameters;
 use capture::{Capture, CaptureError, CaptureFormat, MAX_FILE};
+use document::file::{self, FileFault};
 use document::{Diagnostic, SourceFile};
 use plans::Case;
 use record::CaseRecord;
@@ -58,12 +59,13 @@ fn read(args: &JudgeArgs, format: CaptureFormat) -> Result<Capture, Diagnostic> 
             }
         },
     };
-    let length = std::fs::metadata(&args.trace).map_err(|error| wrong(error.to_string()))?.len();
-    if length > MAX_FILE {
-        let found = wrong(format!("it has {length} bytes, and {MAX_FILE} is the most"));
-        return Err(found.help("capture for a shorter time, or fewer channels"));
-    }
-    let bytes = std::fs::read(&args.trace).map_err(|error| wrong(error.to_string()))?;
+    let bytes = file::read(&args.trace, MAX_FILE).map_err(|fault| {
+        let help = match fault {
+            FileFault::TooLarge { .. } => "capture for a shorter time, or fewer channels",
+            _ => "name a file with what the instrument recorded",
+        };
+        wrong(fault.to_string()).help(help)
+    })?;
     capture::read(format, &bytes, period).map_err(|error: CaptureError| {
         let found = wrong(error.to_string());
         if error.fix.is_empty() { found } else { found.help(error.fix) }

@@ -7,13 +7,14 @@ mod mapping;
 use crate::exit::ExitStatus;
 use crate::output;
 use clap::Args;
+use document::file::{self, FileFault};
 use document::{Diagnostic, SourceFile};
 use record::CaseRecord;
 use reports::text::{Style, case_line, details};
 use runtime::suite::{self, Disk};
 use signal::{LoadLimits, Trace};
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read, Seek};
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
 /// `rig judge`.
@@ -79,19 +80,16 @@ pub fn run(args: &JudgeArgs) -> ExitStatus {
 
 fn try_run(args: &JudgeArgs) -> Result<ExitStatus, ExitStatus> {
     let path = args.trace.display();
-    let unreadable = |error: std::io::Error| {
+    let unreadable = |fault: FileFault| {
         let help = "name a trace of a case, as reports keep them below `traces`, or a capture";
-        output::refuse("R0201", format!("`{path}` cannot be read: {error}"), help)
+        output::refuse("R0201", format!("`{path}` cannot be read: {fault}"), help)
     };
-    let mut file = File::open(&args.trace).map_err(unreadable)?;
-    let mut head = Vec::new();
-    (&mut file).take(64).read_to_end(&mut head).map_err(unreadable)?;
+    let head = file::read_start(&args.trace, 64).map_err(unreadable)?;
     let mut sources = Vec::new();
     let judged = match capture::CaptureFormat::of(&head, &args.trace.to_string_lossy()) {
         Some(format) => foreign::judge(args, format, &mut sources),
         None => {
-            file.rewind().map_err(unreadable)?;
-            let trace = load(file).map_err(|why| {
+            let trace = load(file::open(&args.trace).map_err(unreadable)?).map_err(|why| {
                 let help = "take a trace as the rig wrote it, or a capture: a VCD, CSV or sigrok file";
                 output::refuse(NOT_JUDGED, format!("{path} is not a complete trace: {why}"), help)
             })?;

@@ -6,7 +6,6 @@ use crate::saved_runs::report_folder::ReportFolder;
 use document::Diagnostic;
 use record::CaseRecord;
 use signal::{LoadLimits, Trace};
-use std::fs::File;
 use std::io::BufReader;
 use std::path::{Component, Path, PathBuf};
 
@@ -73,7 +72,8 @@ pub(super) fn finding(lost: &[String]) -> Option<Diagnostic> {
 /// Why it is not that trace.
 fn load(folder: &Path, case: &CaseRecord) -> Result<Trace, String> {
     let path = path(folder, case)?;
-    let mut file = BufReader::new(File::open(&path).map_err(|error| format!("{}: {error}", path.display()))?);
+    let mut file =
+        BufReader::new(document::file::open(&path).map_err(|fault| format!("{}: {fault}", path.display()))?);
     let trace = Trace::load(&mut file, LoadLimits::default())
         .map_err(|error| format!("{} is not a complete trace: {error}", path.display()))?;
     if runtime::suite::describe::hex(&trace.digest()) != case.trace_sha256 {

@@ -5,8 +5,6 @@ pub mod report_folder;
 
 use document::Diagnostic;
 use record::{MAX_JSON_BYTES, RunRecord};
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// A run, with the folder that its traces are beside.
@@ -41,10 +39,6 @@ pub fn load(path: &Path) -> Result<SavedRun, Diagnostic> {
 
 /// The text of a file, no more of it than a record may have.
 fn text(path: &Path) -> Result<String, String> {
-    let file = File::open(path).map_err(|error| error.to_string())?;
-    let mut bytes = Vec::new();
-    // One byte more, so that a longer one is refused for its length.
-    let most = MAX_JSON_BYTES as u64 + 1;
-    file.take(most).read_to_end(&mut bytes).map_err(|error| error.to_string())?;
+    let bytes = document::file::read(path, MAX_JSON_BYTES as u64).map_err(|fault| fault.to_string())?;
     String::from_utf8(bytes).map_err(|_| String::from("it is no UTF-8 text"))
 }

@@ -94,7 +94,8 @@ impl ReportFolder {
 
     fn copy(&self, from: &Path, to: &str) -> Result<(), String> {
         let fail = |error: std::io::Error| format!("{} cannot be copied: {error}", from.display());
-        let mut file = std::fs::File::open(from).map_err(fail)?;
+        let mut file = document::file::open(from)
+            .map_err(|fault| format!("{} cannot be copied: {fault}", from.display()))?;
         self.write_unsynced(to, &mut |out| std::io::copy(&mut file, out).map(drop).map_err(fail))
     }
 

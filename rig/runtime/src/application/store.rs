@@ -1,6 +1,7 @@
 //! Non-volatile storage: in memory for virtual time, on disk for a rig that must survive its own power cut.
 
 use controller::NonVolatile;
+use document::file::{self, FileFault};
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -52,6 +53,9 @@ fn torn(old: &[u8], new: &[u8], kept: usize) -> Vec<u8> {
     file
 }
 
+/// Most bytes of a file that is read: above what a controller's memory for files has.
+const MOST_BYTES: u64 = 1 << 30;
+
 const MAGIC: &[u8; 8] = b"SRNV\0\0\0\x01";
 const HEADER: usize = 8 + 8 + 4;
 
@@ -102,7 +106,10 @@ impl DiskStore {
     }
 
     fn load(&self, name: &str) -> Result<(u64, Vec<u8>), StoreFault> {
-        let mut bytes = std::fs::read(self.path(name)).map_err(|error| StoreFault::Io(error.kind()))?;
+        let mut bytes = file::read(&self.path(name), MOST_BYTES).map_err(|fault| match fault {
+            FileFault::Io(error) => StoreFault::Io(error.kind()),
+            FileFault::NotRegular(_) | FileFault::TooLarge { .. } => StoreFault::Damaged,
+        })?;
         if bytes.len() < HEADER || !bytes.starts_with(MAGIC) {
             return Err(StoreFault::Damaged);
         }
@@ -179,7 +186,7 @@ impl NonVolatile for DiskStore {
     fn tear(&mut self, name: &str, bytes: &[u8], kept: usize) {
         // The medium under an atomic replacement keeps the old file; what a controller without one would
         // hold is written here as it would be found: without a fitting checksum.
-        let old = std::fs::read(self.path(name)).unwrap_or_default();
+        let old = file::read(&self.path(name), MOST_BYTES).unwrap_or_default();
         let mut new = MAGIC.to_vec();
         new.extend_from_slice(&[0; 12]);
         new.extend_from_slice(bytes);

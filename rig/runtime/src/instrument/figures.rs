@@ -2,7 +2,7 @@
 
 use crate::codes;
 use crate::suite::describe::hex;
-use document::Diagnostic;
+use document::{Diagnostic, file};
 use drivers::gpio::GpioSpec;
 use drivers::{BoardFile, BoardKind};
 use host::{Histogram, HostMachine};
@@ -11,8 +11,7 @@ use sha2::{Digest, Sha256};
 use signal::Span;
 use std::ffi::OsString;
 use std::fmt::Write as _;
-use std::fs::File;
-use std::io::{ErrorKind, Read, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// How many durations are needed for one of 10 000 to be distinguished from the greatest.
@@ -136,13 +135,12 @@ pub fn keep(folder: &Path, record: &MachineRecord) -> std::io::Result<PathBuf> {
 /// # Errors
 /// Why a file that is there cannot be read.
 pub fn kept(folder: &Path, kind: &str, board_sha256: &str) -> Result<Option<MachineRecord>, String> {
-    let file = match File::open(path(folder, kind, board_sha256)) {
-        Ok(file) => file,
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(error.to_string()),
+    let bytes = match file::read(&path(folder, kind, board_sha256), MAX_MACHINE_BYTES) {
+        Ok(bytes) => bytes,
+        Err(fault) if fault.is_not_found() => return Ok(None),
+        Err(fault) => return Err(fault.to_string()),
     };
-    let mut text = String::new();
-    file.take(MAX_MACHINE_BYTES).read_to_string(&mut text).map_err(|error| error.to_string())?;
+    let text = String::from_utf8(bytes).map_err(|_| String::from("it is no UTF-8 text"))?;
     let record = MachineRecord::from_json(&text)?;
     if record.kind == kind && record.board_sha256 == board_sha256 {
         Ok(Some(record))

@@ -6,10 +6,14 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use control::{Locked, RequestFault};
+use document::file::FileFault;
 use host::{BackgroundTask, TaskProgress};
 
 use super::decode::fault;
 use crate::codes;
+
+/// Most bytes of the file: far above what a name and a note have.
+const MOST_BYTES: u64 = 1 << 20;
 
 /// What the name of the file ends in; it begins as the socket's, so that several rigs may share a folder.
 const ENDING: &str = ".lock.json";
@@ -34,11 +38,13 @@ impl Lock {
         name.push(ENDING);
         let file = folder.map(|folder| folder.join(name));
         let now = file.clone().and_then(|file| {
-            let task = BackgroundTask::start("lock", LIMIT, move |_| fs::read(file));
-            match task.and_then(|task| task.wait().unwrap_or(Err(ErrorKind::TimedOut.into()))) {
+            let read = move |_| document::file::read(&file, MOST_BYTES);
+            let late = || Err(io::Error::from(ErrorKind::TimedOut).into());
+            let task = BackgroundTask::start("lock", LIMIT, read).map_err(FileFault::from);
+            match task.and_then(|task| task.wait().unwrap_or_else(late)) {
                 Ok(bytes) => Some(serde_json::from_slice(&bytes).unwrap_or_else(|error| unreadable(&error))),
-                Err(error) if error.kind() == ErrorKind::NotFound => None,
-                Err(error) => Some(unreadable(&error)),
+                Err(fault) if fault.is_not_found() => None,
+                Err(fault) => Some(unreadable(&fault)),
             }
         });
         Lock { now, file, next: None }
