@@ -70,6 +70,8 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("R019", "real lines"),
     ("R018", "a machine that refuses something, or one with real lines"),
     ("R0203", "a trace of another plan"),
+    ("R0205", "a file beside the plan"),
+    ("R0206", "a folder that several users write to"),
     ("R0220", "a temporary folder without room"),
     ("R0221", "a second board"),
     ("R0223", "a board file beside the plan"),

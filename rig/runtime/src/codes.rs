@@ -81,6 +81,10 @@ pub const SEVERAL_REAL_BOARDS: &str = "R0185";
 pub const FILE_NOT_READ: &str = "R0201";
 /// A trace of another plan.
 pub const TRACE_OF_ANOTHER_PLAN: &str = "R0203";
+/// A suite file under another name.
+pub const SUITE_MISNAMED: &str = "R0205";
+/// A suite file of another user.
+pub const SUITE_OF_ANOTHER_USER: &str = "R0206";
 /// A program that cannot be handed to the command that loads it.
 pub const NOT_EXPORTED: &str = "R0220";
 /// A real controller that is to be played.
@@ -230,6 +234,8 @@ pub const CODES: &[(&str, &str)] = &[
     (FILE_NOT_READ, "A file that cannot be read"),
     (TRACE_OF_ANOTHER_PLAN, "A trace of another plan"),
     ("R0204", "A trace that cannot be judged as it is given"),
+    (SUITE_MISNAMED, "A suite file under another name"),
+    (SUITE_OF_ANOTHER_USER, "A suite file of another user"),
     (NOT_EXPORTED, "A program that cannot be handed to the command that loads it"),
     (REAL_CONTROLLER, "A real controller that is to be played"),
     ("R0222", "A time to run that is none"),

@@ -2,6 +2,8 @@
 
 use crate::codes;
 use document::{Diagnostic, SourceFile};
+use std::io::ErrorKind;
+use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 
 /// Where plans, programs and board files come from: a disk, or what is built into the binary.
@@ -20,9 +22,19 @@ pub trait FileSource: Sync {
         self.read(path).map(String::into_bytes)
     }
 
-    /// Whether there is such a file.
+    /// Whether there is something of this name.
     fn has(&self, path: &str) -> bool {
         self.read(path).is_ok()
+    }
+
+    /// The names in a folder, sorted, as far as they are known.
+    fn names(&self, _folder: &str) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// Whether a file beside a plan belongs to somebody else than the plan and the user, in a folder that all users share.
+    fn is_foreign(&self, _path: &str, _plan: &str) -> bool {
+        false
     }
 
     /// The folders that a file is in and whose suites it is of, the innermost first; empty for where paths are
@@ -32,8 +44,10 @@ pub trait FileSource: Sync {
     }
 }
 
-/// Largest file that is read.
+/// Largest file that is read, in bytes.
 const LARGEST_FILE: u64 = 8 << 20;
+/// Most names of a folder that are looked at.
+const MOST_NAMES: usize = 100_000;
 
 /// The host's disk.
 #[derive(Clone, Copy, Debug, Default)]
@@ -51,16 +65,32 @@ impl FileSource for Disk {
     }
 
     fn bytes(&self, path: &str) -> Result<Vec<u8>, String> {
-        let length = std::fs::metadata(path).map_err(|error| error.to_string())?.len();
-        if length > LARGEST_FILE {
-            return Err(format!("it has {length} bytes, {LARGEST_FILE} is the most"));
-        }
-        tracing::debug!(path, length, "a file is read");
-        std::fs::read(path).map_err(|error| error.to_string())
+        let bytes = document::file::read(Path::new(path), LARGEST_FILE).map_err(|fault| fault.to_string())?;
+        tracing::debug!(path, length = bytes.len(), "a file is read");
+        Ok(bytes)
     }
 
     fn has(&self, path: &str) -> bool {
-        Path::new(path).is_file()
+        // A link that leads nowhere, a folder or a pipe of this name is there, and is refused when it is read.
+        let found = std::fs::symlink_metadata(path);
+        found.map_or_else(
+            |error| !matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory),
+            |_| true,
+        )
+    }
+
+    fn names(&self, folder: &str) -> Vec<String> {
+        let entries = std::fs::read_dir(place(folder)).into_iter().flatten().flatten();
+        let mut names: Vec<String> =
+            entries.filter_map(|entry| entry.file_name().into_string().ok()).take(MOST_NAMES).collect();
+        names.sort();
+        names
+    }
+
+    fn is_foreign(&self, path: &str, plan: &str) -> bool {
+        let owner = |path: &str| std::fs::symlink_metadata(path).map(|about| about.uid()).ok();
+        let own = [owner(plan), Some(rustix::process::geteuid().as_raw())];
+        is_shared(&folder_of(path)) && !own.contains(&owner(path))
     }
 
     fn folders(&self, path: &str) -> Vec<String> {
@@ -127,16 +157,30 @@ fn written(path: &str) -> Vec<String> {
     std::iter::successors(Some(first), |folder| above(folder).filter(|_| !ends(folder))).collect()
 }
 
-/// The folders of a file on the disk up to that of its repository, or up to the root: the suites of a plan do not
-/// depend on where it is run from.
+/// The folders of a file on the disk up to that of its repository, or else up to the root or to below a folder that
+/// all users share: the suites of a plan do not depend on where it is run from, nor on who else uses `/tmp`.
 fn on_disk(path: &str) -> Vec<String> {
     let is_last = |folder: &String| {
-        let place = if folder.is_empty() { Path::new(".") } else { Path::new(folder) };
-        place.join(".git").exists() || is_root(place)
+        let place = place(folder);
+        place.join(".git").exists()
+            || is_root(place)
+            || above(folder).is_some_and(|above| is_shared(&above))
     };
     let folders =
         std::iter::successors(Some(folder_of(path)), |folder| above(folder).filter(|_| !is_last(folder)));
     folders.take(MOST_FOLDERS).collect()
+}
+
+/// The path of a folder.
+fn place(folder: &str) -> &Path {
+    Path::new(if folder.is_empty() { "." } else { folder })
+}
+
+/// Whether a folder is one as `/tmp` is, which all users share: everybody may put files into it and take away only their own.
+/// One that is open without this protection is a project's on a medium that knows no users.
+fn is_shared(folder: &str) -> bool {
+    const SHARED: u32 = 0o1002;
+    std::fs::metadata(place(folder)).is_ok_and(|about| about.mode() & SHARED == SHARED)
 }
 
 fn is_root(folder: &Path) -> bool {
@@ -146,6 +190,7 @@ fn is_root(folder: &Path) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::os::unix::fs::PermissionsExt;
 
     #[test]
     fn a_path_is_in_the_folders_that_it_names() {
@@ -171,5 +216,34 @@ mod tests {
             .chain([root.to_string_lossy().into_owned()])
             .collect();
         assert_eq!(folders, wanted);
+    }
+
+    #[test]
+    fn the_search_ends_below_a_folder_that_all_users_share() {
+        let folder = tempfile::tempdir().unwrap();
+        let shared = folder.path().join("shared");
+        std::fs::create_dir_all(shared.join("project/plans")).unwrap();
+        std::fs::set_permissions(&shared, std::fs::Permissions::from_mode(0o1777)).unwrap();
+        let place = |inner: &str| shared.join(inner).to_string_lossy().into_owned();
+        assert_eq!(on_disk(&place("project/plans/lamp.toml")), [place("project/plans"), place("project")]);
+        // A plan that lies there itself has the suite beside it, if that is the user's own.
+        std::fs::write(shared.join("suite.toml"), "").unwrap();
+        assert!(!Disk.is_foreign(&place("suite.toml"), &place("lamp.toml")));
+        // On a medium that knows no users every folder is open.
+        std::fs::set_permissions(&shared, std::fs::Permissions::from_mode(0o777)).unwrap();
+        assert!(on_disk(&place("project/plans/lamp.toml")).contains(&shared.to_string_lossy().into_owned()));
+    }
+
+    #[test]
+    fn what_is_of_a_name_is_there_whatever_it_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+        std::os::unix::fs::symlink("nowhere", folder.path().join("link")).unwrap();
+        std::fs::create_dir(folder.path().join("folder")).unwrap();
+        for name in ["link", "folder"] {
+            assert!(Disk.has(&place(name)) && Disk.read(&place(name)).is_err(), "{name}");
+        }
+        assert!(!Disk.has(&place("none")) && !Disk.has(&place("none/none")));
+        assert_eq!(Disk.names(&place("")), ["folder", "link"]);
     }
 }
