@@ -12,7 +12,9 @@ pub fn of(run: &RunRecord) -> ExitStatus {
         return ExitStatus::of(run.verdict());
     }
     if run.shard.is_some() {
-        output::note("no case of this part was judged: `rig report --merge` ends by the verdict of all parts");
+        output::note(
+            "no case of this part was judged: `rig report --merge` ends by the verdict of all parts",
+        );
         return ExitStatus::Passed;
     }
     let message = match totals.not_applicable {

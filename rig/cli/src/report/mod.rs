@@ -4,9 +4,9 @@ mod merge;
 mod waves;
 
 use crate::exit::ExitStatus;
-use crate::{output, run_exit};
 use crate::saved_runs::report_folder::{ReportFolder, ReportFormat};
 use crate::saved_runs::{self, SavedRun};
+use crate::{output, run_exit};
 use clap::{Args, ValueEnum};
 use document::Diagnostic;
 use std::path::{Path, PathBuf};

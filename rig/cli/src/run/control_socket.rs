@@ -117,7 +117,7 @@ impl PlanSource for HostPlans {
             let none = || format!("`{path}` is not there");
             return if shipped.is_empty() { Err(none()) } else { Ok(shipped) };
         }
-        let found = find::at(Path::new(path), is_wanted);
+        let found = find::at(Path::new(path), is_wanted).map_err(|unread| unread.to_string())?;
         if found.is_empty() { Err(format!("`{path}` holds no plan")) } else { Ok(found) }
     }
 

@@ -162,9 +162,7 @@ fn written(path: &str) -> Vec<String> {
 fn on_disk(path: &str) -> Vec<String> {
     let is_last = |folder: &String| {
         let place = place(folder);
-        place.join(".git").exists()
-            || is_root(place)
-            || above(folder).is_some_and(|above| is_shared(&above))
+        place.join(".git").exists() || is_root(place) || above(folder).is_some_and(|above| is_shared(&above))
     };
     let folders =
         std::iter::successors(Some(folder_of(path)), |folder| above(folder).filter(|_| !is_last(folder)));
