@@ -79,6 +79,8 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("R0226", "a variable of the environment"),
     ("R0230", "a folder beside the plan"),
     ("R0231", "a case that does not apply"),
+    ("R0232", "a full disk"),
+    ("R0233", "a plan that is given twice"),
     ("R0240", "a machine without lines"),
     ("R0241", "a chip that may not be opened"),
     ("R0242", "a machine with lines"),

@@ -85,5 +85,5 @@ fn main() -> ExitCode {
         CliCommand::Completions(args) => completions::run(&args, Cli::command()),
         CliCommand::Man(args) => completions::man(&args, Cli::command()),
     };
-    exit.into()
+    output::finish(exit).into()
 }

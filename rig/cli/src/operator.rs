@@ -1,5 +1,6 @@
 //! The person at the terminal, who answers what steps ask.
 
+use crate::output;
 use crate::typed_lines::{TypedLine, TypedLines};
 use plans::steps::Question;
 use runtime::{AskError, Operator};
@@ -62,7 +63,7 @@ impl Operator for TerminalOperator {
             text.push_str(&format!("  {} {answer}\n", place + 1));
         }
         let mut out = std::io::stderr();
-        let _ = out.write_all(text.as_bytes());
+        let _ = out.write_all(output::harmless(&text).as_bytes());
         loop {
             let _ = out.write_all(b"> ");
             let _ = out.flush();
@@ -74,7 +75,7 @@ impl Operator for TerminalOperator {
             match chosen(&line, &question.answers) {
                 Some(answer) => return Ok(answer),
                 None => {
-                    let _ = writeln!(out, "answer one of: {}", question.answers.join(", "));
+                    output::info(&format!("answer one of: {}", question.answers.join(", ")));
                 }
             }
         }

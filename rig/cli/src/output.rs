@@ -7,7 +7,8 @@ use clap::ValueEnum;
 use control::RequestFault;
 use document::{Diagnostic, SourceFile};
 use std::backtrace::{Backtrace, BacktraceStatus};
-use std::io::{self, IsTerminal, Write};
+use std::borrow::Cow;
+use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::OnceLock;
 use std::time::Duration;
 
@@ -118,7 +119,8 @@ pub fn settle() {
 
 /// Prints on standard error.
 fn print_error(text: &str) {
-    let _ = ErrorStream.write_all(text.as_bytes());
+    // Nothing can be reported of what standard error does not take.
+    let _ = ErrorStream.write_all(harmless(text).as_bytes());
 }
 
 /// Standard error as this command uses it.
@@ -189,12 +191,92 @@ pub fn info(text: &str) {
     print_error(&format!("{text}\n"));
 }
 
-/// Prints on standard output; a closed pipe is no fault.
+/// Prints on standard output; a closed pipe is no fault. What cannot be written otherwise [`finish`] reports.
 pub fn print(text: &str) {
+    let text = harmless(text);
     match QUEUES.get() {
         Some([output, _]) => output.put(text.as_bytes()),
-        None => drop(io::stdout().write_all(text.as_bytes())),
+        None => keep_fault(io::stdout().write_all(text.as_bytes())),
     }
+}
+
+/// Prints a piece of what goes on and on; `false` where nobody reads it any more.
+pub fn print_piece(text: &str) -> bool {
+    let mut out = std::io::stdout();
+    let written = out.write_all(harmless(text).as_bytes()).and_then(|()| out.flush());
+    let open = !matches!(&written, Err(error) if error.kind() == ErrorKind::BrokenPipe);
+    keep_fault(written);
+    open
+}
+
+/// The first fault of standard output, a closed pipe apart.
+static LOST: OnceLock<String> = OnceLock::new();
+
+fn keep_fault(written: std::io::Result<()>) {
+    if let Err(error) = written
+        && error.kind() != ErrorKind::BrokenPipe
+    {
+        // Later ones follow from it.
+        let _ = LOST.set(error.to_string());
+    }
+}
+
+/// How the command ends: with an error of its own where standard output did not take all that was printed, whatever it
+/// came to otherwise.
+pub fn finish(exit: ExitStatus) -> ExitStatus {
+    keep_fault(std::io::stdout().flush());
+    let Some(why) = LOST.get() else { return exit };
+    let found = Diagnostic::error("R0232", format!("standard output cannot be written: {why}"));
+    findings(&[found.help("make room, or write it elsewhere: what was printed is not whole")], &[]);
+    match exit {
+        ExitStatus::Interrupted => exit,
+        _ => ExitStatus::Error,
+    }
+}
+
+/// A text without what a terminal acts on: names of files, cases and signals may hold control characters, and marks that
+/// turn the direction of writing. They are written as JSON writes them, so that JSON stays what it is. Colours and bold
+/// type, which the rig itself writes, stay.
+pub fn harmless(text: &str) -> Cow<'_, str> {
+    let acts = |c: char| {
+        c.is_control() && !matches!(c, '\n' | '\t')
+            || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    };
+    if !text.contains(acts) {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len() + 16);
+    let mut rest = text;
+    while let Some(first) = rest.chars().next() {
+        if let Some(length) = style(rest) {
+            shown.push_str(&rest[..length]);
+            rest = &rest[length..];
+            continue;
+        }
+        match acts(first) {
+            true => shown.push_str(&format!("\\u{:04x}", u32::from(first))),
+            false => shown.push(first),
+        }
+        rest = &rest[first.len_utf8()..];
+    }
+    Cow::Owned(shown)
+}
+
+/// The length of the sequence for colour or bold type that a text begins with.
+fn style(text: &str) -> Option<usize> {
+    let inner = text.strip_prefix("\u{1b}[")?;
+    let end = inner.find('m').filter(|end| *end <= 16)?;
+    let mut numbers = inner[..end].split(';');
+    // Nothing that hides text: no inverse, no concealed, no background.
+    let is_style = |number: &str| match number {
+        "" | "0" | "1" | "2" | "4" | "22" | "39" => true,
+        number => number.parse().is_ok_and(|number: u8| matches!(number, 30..=37 | 90..=97)),
+    };
+    let is_right = match inner[..end].strip_prefix("38;5;") {
+        Some(number) => number.parse::<u8>().is_ok(),
+        None => numbers.all(is_style),
+    };
+    is_right.then_some("\u{1b}[".len() + end + 1)
 }
 
 #[cfg(test)]
@@ -205,6 +287,23 @@ mod tests {
         let variable =
             |name: &str| set.iter().find(|(known, _)| *known == name).map(|(_, v)| (*v).to_owned());
         decide(choice, terminal, &variable)
+    }
+
+    #[test]
+    fn a_name_cannot_act_on_the_terminal() {
+        assert_eq!(harmless("lamp\u{1b}]0;title\u{7}\n\tx"), "lamp\\u001b]0;title\\u0007\n\tx");
+        assert_eq!(harmless("a\u{9b}2J\r\u{202e}b\u{7f}"), "a\\u009b2J\\u000d\\u202eb\\u007f");
+        assert_eq!(
+            harmless("\u{1b}[8mhidden\u{1b}[7m\u{1b}[2J\u{1b}[38;2;0m"),
+            "\\u001b[8mhidden\\u001b[7m\\u001b[2J\\u001b[38;2;0m"
+        );
+        for own in ["\u{1b}[32mPASS\u{1b}[0m", "\u{1b}[1m\u{1b}[91merror\u{1b}[0m", "\u{1b}[38;5;9mx\u{1b}[m"]
+        {
+            assert_eq!(harmless(own), own);
+        }
+        let name = format!("{}\n", serde_json::json!({ "case": "a\u{9b}b\u{1b}" }));
+        let read: serde_json::Value = serde_json::from_str(&harmless(&name)).unwrap();
+        assert_eq!(read["case"], "a\u{9b}b\u{1b}");
     }
 
     #[test]

@@ -248,6 +248,8 @@ pub const CODES: &[(&str, &str)] = &[
     ("R0229", "A parameter that cannot be given"),
     ("R0230", "A folder without plans"),
     ("R0231", "A run in which no case was judged"),
+    ("R0232", "Output that cannot be written"),
+    ("R0233", "Cases that cannot be in one run"),
     ("R0240", "A machine without GPIO lines"),
     ("R0241", "A chip that cannot be looked at"),
     ("R0242", "A board file that is there already"),

@@ -199,7 +199,7 @@ impl WatchScreen {
         for (at, row_of) in rows.iter().enumerate() {
             let Some(stale) = self.stale.get_mut(at) else { continue };
             if let (true, Some(text)) = (std::mem::take(stale), text(at)) {
-                row_of.set_message(text);
+                row_of.set_message(output::harmless(&text).into_owned());
                 self.drawn = Some(now);
             }
         }

@@ -3,13 +3,10 @@
 use crate::output;
 use control::{Signal, SignalKind};
 use signal::{Span, Value};
-use std::io::{ErrorKind, Write};
 
 /// Prints a piece of what goes on and on; `false` where nobody reads it any more.
 pub fn print_text(text: &str) -> bool {
-    let mut out = std::io::stdout();
-    let written = out.write_all(text.as_bytes()).and_then(|()| out.flush());
-    !matches!(written, Err(error) if error.kind() == ErrorKind::BrokenPipe)
+    output::print_piece(text)
 }
 
 /// Prints JSON for a program, on several lines.

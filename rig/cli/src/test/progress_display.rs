@@ -2,6 +2,7 @@
 
 use super::display::ProgressMode;
 use super::estimate::{Estimate, words};
+use crate::output;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::Instant;
@@ -73,7 +74,7 @@ impl ProgressDisplay {
         let Some(bar) = &self.bar else { return };
         bar.set_prefix(self.head());
         let names: Vec<&str> = running.collect();
-        bar.set_message(format!("  {}", names.join(", ")));
+        bar.set_message(format!("  {}", output::harmless(&names.join(", "))));
         bar.tick();
     }
 

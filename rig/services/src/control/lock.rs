@@ -38,9 +38,9 @@ impl Lock {
         name.push(ENDING);
         let file = folder.map(|folder| folder.join(name));
         let now = file.clone().and_then(|file| {
-            let read = move |_| document::file::read(&file, MOST_BYTES);
             let late = || Err(io::Error::from(ErrorKind::TimedOut).into());
-            let task = BackgroundTask::start("lock", LIMIT, read).map_err(FileFault::from);
+            let task = BackgroundTask::start("lock", LIMIT, move |_| document::file::read(&file, MOST_BYTES))
+                .map_err(FileFault::from);
             match task.and_then(|task| task.wait().unwrap_or_else(late)) {
                 Ok(bytes) => Some(serde_json::from_slice(&bytes).unwrap_or_else(|error| unreadable(&error))),
                 Err(fault) if fault.is_not_found() => None,
