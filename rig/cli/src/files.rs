@@ -1,14 +1,25 @@
 //! Files that the command writes: into new folders never over what somebody has there, and each file whole or not at all.
 
 use document::Diagnostic;
-use std::io::Write;
-use std::os::unix::fs::PermissionsExt;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::fs::OFlags;
+use rustix::io::Errno;
+use std::fs::OpenOptions;
+use std::io::{ErrorKind, Write};
+use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// A folder that something is written into is not empty.
 const NOT_EMPTY: &str = "R0150";
 /// A file or folder cannot be written.
 const NOT_WRITTEN: &str = "R0151";
+
+/// The name of a file of the thousands beside a record until it is whole.
+const UNFINISHED: &str = ".rig-unfinished";
+
+/// How long whoever reads a pipe may take nothing out of it.
+const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Bytes that are written to a file of the thousands beside a record at once.
 const BUFFER: usize = 64 << 10;
@@ -76,16 +87,50 @@ pub fn write_whole_unsynced(
     fill: &mut dyn FnMut(&mut dyn std::io::Write) -> Result<(), String>,
 ) -> Result<(), String> {
     let fail = |error: std::io::Error| format!("{} cannot be written: {error}", path.display());
-    let folder = path.parent().unwrap_or(Path::new("."));
-    // The rights that any new file gets; a temporary file would be its owner's alone.
-    let file = tempfile::Builder::new()
-        .permissions(std::fs::Permissions::from_mode(0o666))
-        .tempfile_in(folder)
-        .map_err(fail)?;
-    let mut buffered = std::io::BufWriter::with_capacity(BUFFER, file);
-    fill(&mut buffered)?;
-    let file = buffered.into_inner().map_err(|error| fail(error.into_error()))?;
-    file.persist(path).map(drop).map_err(|error| fail(error.error))
+    // One name for the folder: what a killed command left is written over by the next one.
+    let unfinished = path.with_file_name(UNFINISHED);
+    let flags = i32::try_from(OFlags::NOFOLLOW.bits()).unwrap_or(0);
+    let file =
+        OpenOptions::new().write(true).create(true).truncate(true).custom_flags(flags).open(&unfinished);
+    let mut buffered = std::io::BufWriter::with_capacity(BUFFER, file.map_err(fail)?);
+    let written = fill(&mut buffered).and_then(|()| buffered.flush().map_err(fail));
+    let placed = written.and_then(|()| std::fs::rename(&unfinished, path).map_err(fail));
+    if placed.is_err() {
+        let _ = std::fs::remove_file(&unfinished);
+    }
+    placed
+}
+
+/// Writes into what is no file, such as a pipe or a terminal, and waits for whoever reads there no longer than
+/// [`PATIENCE`]: a command that waited without end could not be interrupted.
+fn write_stream(path: &Path, mut bytes: &[u8]) -> std::io::Result<()> {
+    let flags = i32::try_from((OFlags::NONBLOCK | OFlags::NOCTTY).bits()).unwrap_or(0);
+    let mut out = match OpenOptions::new().write(true).custom_flags(flags).open(path) {
+        Err(error) if error.raw_os_error() == Some(Errno::NXIO.raw_os_error()) => {
+            return Err(std::io::Error::new(ErrorKind::NotConnected, "nobody reads it"));
+        }
+        opened => opened?,
+    };
+    let patience = Timespec::try_from(PATIENCE).unwrap_or_default();
+    while !bytes.is_empty() {
+        match out.write(bytes) {
+            Ok(0) => return Err(ErrorKind::WriteZero.into()),
+            Ok(written) => bytes = &bytes[written..],
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            Err(error) if error.kind() == ErrorKind::WouldBlock => {
+                let mut waiting = [PollFd::new(&out, PollFlags::OUT)];
+                match poll(&mut waiting, Some(&patience)) {
+                    Ok(0) => {
+                        return Err(std::io::Error::new(ErrorKind::TimedOut, "whoever reads it takes nothing"));
+                    }
+                    Ok(_) | Err(Errno::INTR) => {}
+                    Err(errno) => return Err(errno.into()),
+                }
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    out.flush()
 }
 
 /// Writes a text as a file, whole or not at all; into what is no file, such as a pipe, as it comes.
@@ -95,7 +140,7 @@ pub fn write_whole_unsynced(
 pub fn write_text(path: &Path, text: &str) -> Result<(), String> {
     let fail = |error: std::io::Error| format!("{} cannot be written: {error}", path.display());
     if std::fs::metadata(path).is_ok_and(|found| !found.is_file()) {
-        return std::fs::write(path, text).map_err(fail);
+        return write_stream(path, text.as_bytes()).map_err(fail);
     }
     write_whole(path, &mut |out| out.write_all(text.as_bytes()).map_err(fail))
 }
