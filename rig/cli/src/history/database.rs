@@ -5,6 +5,7 @@
 
 use document::Diagnostic;
 use record::{CaseRecord, CaseStatus, RunRecord, Verdict};
+use rusqlite::config::DbConfig;
 use rusqlite::{
     Connection, ErrorCode, OpenFlags, OptionalExtension, Statement, ToSql, Transaction, TransactionBehavior,
     params,
@@ -119,13 +120,25 @@ impl HistoryDatabase {
     }
 
     fn connect(path: &Path, flags: OpenFlags) -> Result<HistoryDatabase, Diagnostic> {
+        // SQLite opens a pipe, and waits.
+        if std::fs::metadata(path).is_ok_and(|found| !found.is_file()) {
+            return Err(foreign(path, "it is no regular file"));
+        }
         let flags = flags | OpenFlags::SQLITE_OPEN_NO_MUTEX;
         let connection = Connection::open_with_flags(path, flags).map_err(|error| fault(path, &error))?;
         let settings = || -> rusqlite::Result<()> {
             connection.busy_timeout(PATIENCE)?;
             connection.pragma_update(None, "synchronous", "FULL")?;
             // Nothing in the file is run as code, whoever wrote it.
-            connection.pragma_update(None, "trusted_schema", false)
+            for (config, on) in [
+                (DbConfig::SQLITE_DBCONFIG_DEFENSIVE, true),
+                (DbConfig::SQLITE_DBCONFIG_TRUSTED_SCHEMA, false),
+                (DbConfig::SQLITE_DBCONFIG_ENABLE_TRIGGER, false),
+                (DbConfig::SQLITE_DBCONFIG_ENABLE_VIEW, false),
+            ] {
+                connection.set_db_config(config, on)?;
+            }
+            Ok(())
         };
         settings().map_err(|error| fault(path, &error))?;
         Ok(HistoryDatabase { path: path.to_owned(), connection })
@@ -142,7 +155,19 @@ impl HistoryDatabase {
             return Err(foreign(&self.path, "it is a database of another program"));
         }
         match number("user_version")? {
-            VERSION => Ok(self),
+            VERSION => {
+                // A view in place of a table, or a trigger, is of somebody else.
+                let sql =
+                    "SELECT type, name FROM sqlite_schema WHERE type NOT IN ('table', 'index') ORDER BY name";
+                let other: rusqlite::Result<Option<(String, String)>> =
+                    self.connection.query_row(sql, [], |row| Ok((row.get(0)?, row.get(1)?))).optional();
+                match other.map_err(|error| self.fault(&error))? {
+                    None => Ok(self),
+                    Some((kind, name)) => {
+                        Err(foreign(&self.path, &format!("it has a {kind} `{name}`, which no history has")))
+                    }
+                }
+            }
             other => Err(Diagnostic::error(
                 "R0169",
                 format!(
