@@ -38,13 +38,17 @@ pub fn choose(args: &TestArgs, loaded: &[LoadedPlan]) -> Result<Vec<Job>, ExitSt
     let mut names: Vec<&str> = jobs.iter().map(|job| job.name.as_str()).collect();
     names.sort_unstable();
     if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
-        output::error(&format!("two cases have the name {}: a plan is given twice", twice[0]));
-        return Err(ExitStatus::UserFiles);
+        let message = format!("two cases have the name {}: a plan is given twice", twice[0]);
+        return Err(output::refuse(
+            "R0233",
+            message,
+            "name each plan once, and no folder beside a plan that is in it",
+        ));
     }
     Ok(jobs)
 }
 
 fn too_many() -> ExitStatus {
-    output::error(&format!("more than {} cases: select fewer, or repeat them less often", record::MAX_CASES));
-    ExitStatus::UserFiles
+    let message = format!("these are more than {} cases", record::MAX_CASES);
+    output::refuse("R0233", message, "select fewer with --only, or repeat them less often")
 }
