@@ -15,7 +15,7 @@ use crate::lang::{Anchor, AnchorBase, Literal};
 use crate::measure::Measurement;
 use crate::monitor::Truth;
 use crate::signals::{SignalBinding, SignalSource, TaskFigure};
-use crate::steps::Stimulus;
+use crate::steps::{MAX_SAMPLES, Stimulus, WaveStimulus};
 
 /// The parts of a case that are held against each other.
 pub(super) struct CheckedParts<'a> {
@@ -65,8 +65,11 @@ pub(super) fn case(parts: &CheckedParts<'_>, out: &mut Findings) {
             out.error(codes::BEYOND_CASE, place.span.clone(), message, LATER);
         }
     }
-    if let (true, Some(end)) = (parts.ends_given, &end) {
-        parts.cut_off(end, out);
+    if let Some(end) = &end {
+        parts.too_many_values(end, out);
+        if parts.ends_given {
+            parts.cut_off(end, out);
+        }
     }
 }
 
@@ -165,6 +168,31 @@ impl CheckedParts<'_> {
                 })
             }
             ClaimDemand::Value { .. } | ClaimDemand::Change(_) | ClaimDemand::Differ(..) => None,
+        }
+    }
+
+    /// Reports waves without an end of their own that go through too many values up to that of the case. Where another
+    /// step drives the same signal, it may end the wave sooner.
+    fn too_many_values(&self, end: &CheckedTime<'_>, out: &mut Findings) {
+        for step in self.steps {
+            let Stimulus::Wave(wave @ WaveStimulus { lasts: None, .. }) = &step.stimulus else { continue };
+            let is_other = |other: &&PlanStep| other.id != step.id;
+            let drives = |other: &PlanStep| other.stimulus.signals().contains(&wave.signal.as_str());
+            if self.steps.iter().filter(is_other).any(drives) {
+                continue;
+            }
+            let begins = Anchor { base: AnchorBase::Step(step.id.clone()), offset: Span::ZERO };
+            let Some(length) = self.place(&begins).and_then(|begins| end.after(&begins)) else { continue };
+            let values = wave.values_in(length);
+            if values > i128::from(MAX_SAMPLES) {
+                let message = format!(
+                    "the wave of the step `{}` goes through {values} values up to the end of the case; {MAX_SAMPLES} is the most",
+                    step.id
+                );
+                let help =
+                    "give it a `duration`, let its values be farther apart, or let the case end sooner";
+                out.error(codes::SAMPLES, step.span.clone(), message, help);
+            }
         }
     }
 

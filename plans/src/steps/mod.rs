@@ -38,7 +38,7 @@ pub use encoder::{Encoder, ShaftMotion};
 pub use send::{OutFrame, SendFrames};
 pub use sequence::Sequence;
 pub use train::{MAX_PULSES, TrainStimulus};
-pub use wave::{PeriodicWave, StimulusShape, WaveStimulus};
+pub use wave::{MAX_SAMPLES, PeriodicWave, StimulusShape, WaveStimulus};
 
 /// A verb of `steps`: `{ id = "busy", at = "start + 1 s", overload = { ... } }`.
 #[derive(Debug)]

@@ -12,8 +12,8 @@ use super::{MAX_PULSES, StepVerb, Stimulus};
 use super::{StepNames, table_fields};
 use crate::codes;
 
-/// Most values that a wave of known length goes through.
-const MAX_SAMPLES: i64 = 10_000_000;
+/// Most values that a wave goes through, as far as its length is known before the case runs.
+pub const MAX_SAMPLES: i64 = 10_000_000;
 /// Fewest values of a period: with fewer it is another wave.
 const LEAST_SAMPLES: u64 = 4;
 /// How often a value changes where the plan does not say.
@@ -225,6 +225,16 @@ impl WaveStimulus {
             }
             _ => Span::ZERO,
         }
+    }
+
+    /// How many values it goes through in so long a time, in nanoseconds.
+    pub fn values_in(&self, nanos: i128) -> i128 {
+        let apart = match &self.shape {
+            // Of a square wave the two edges of a period count.
+            StimulusShape::Square { periodic, .. } => periodic.cycle.after(1, 2),
+            _ => self.sample,
+        };
+        nanos.max(0) / i128::from(apart.as_nanos().max(1))
     }
 
     /// The verb that it is written with.
