@@ -48,6 +48,7 @@ document::codes! {
     MEANING = "P0504", "A value that is not valid for its signal";
     NOT_IN_TRACE = "P0505", "A signal that the trace does not have";
     REFUSED_AND_CLAIMS = "P0506", "A case that is refused and claims something";
+    TOO_MANY_CLAIMS = "P0507", "More claims than a case can have";
     PHASE = "P0600", "A step that depends on another part of the case";
     NO_TEARDOWN = "P0601", "An instant of a teardown that the plan does not have";
     GROUP = "P0602", "An unknown group";

@@ -47,6 +47,60 @@ fn sizes_are_bounded() {
     assert_eq!(refused(format!("{HEAD}{train}{CLAIM}")), "P0104");
 }
 
+/// Groups that run each other: each of eight runs the next one a hundred times.
+fn nested(inner: &str) -> String {
+    let mut text =
+        format!("{HEAD}{CLAIM}steps = [{{ id = \"s\", at = \"start\", run = {{ group = \"g0\" }} }}]\n");
+    for n in 0..7 {
+        let call = format!("run = {{ group = \"g{}\" }}", n + 1);
+        let steps: Vec<String> =
+            (0..100).map(|at| format!("{{ id = \"s{at}\", at = \"begin\", {call} }}")).collect();
+        writeln!(text, "[group.g{n}]\nsteps = [{}]", steps.join(", ")).unwrap();
+    }
+    text + &format!("[group.g7]\n{inner}\n")
+}
+
+#[test]
+fn groups_are_bounded_before_they_are_expanded() {
+    let began = std::time::Instant::now();
+    assert_eq!(refused(nested("steps = [{ id = \"s\", at = \"begin\", mark = {} }]")), "P0407");
+    // A long list as an argument, in each of many calls.
+    let list = vec!["1"; 5_000].join(", ");
+    let call = "{ id = \"s\", at = \"start\", every = { period = \"1 ms\", times = 2000 }, run = { group = \"g\", a = [LIST] } }";
+    let text = format!(
+        "{HEAD}{CLAIM}steps = [{}]\n[group.g]\nargs = {{ a = {{ doc = \"\" }} }}\nsteps = [{{ id = \"x\", at = \"begin\", set = {{ signal = \"$a\", value = true }} }}]\n",
+        call.replace("LIST", &list)
+    );
+    assert_eq!(refused(text), "P0208");
+    // Claims, which are no steps.
+    let claims = vec!["{ state = { stays = \"RUNNING\" } }"; 200].join(", ");
+    let text = format!(
+        "{HEAD}steps = [{{ id = \"s\", at = \"start\", every = {{ period = \"1 ms\", times = 1000 }}, run = {{ group = \"g\" }} }}]\n[group.g]\nexpect = [{claims}]\n"
+    );
+    assert_eq!(refused(text), "P0507");
+    let groups: String = (0..1_001).fold(String::new(), |text, n| text + &format!("[group.g{n}]\n{CLAIM}"));
+    assert_eq!(refused(format!("{HEAD}{CLAIM}{groups}")), "P0003");
+    assert!(began.elapsed().as_secs() < 60, "{:?}", began.elapsed());
+}
+
+#[test]
+fn a_wave_up_to_the_end_has_the_limit_of_one_with_a_duration() {
+    let plan = |wave: &str, more: &str| {
+        format!(
+            "{HEAD}{CLAIM}ends = \"start + 1000 h\"\nsteps = [{{ id = \"w\", at = \"start\", {wave} }}{more}]\n"
+        )
+    };
+    let square = "square = { signal = \"b\", frequency = \"1 MHz\" }";
+    let noise = "noise = { signal = \"p\", range = \"0 .. 5 bar\", sample = \"1 us\" }";
+    assert_eq!(refused(plan(square, "")), "P0641");
+    assert_eq!(refused(plan(noise, "")), "P0641");
+    let slow = "square = { signal = \"b\", frequency = \"1 Hz\" }";
+    let ended = ", { id = \"off\", at = \"start + 1 s\", set = { signal = \"b\", value = true } }";
+    for text in [plan(slow, ""), plan(square, ended)] {
+        assert!(read(&SourceFile::new("a.toml", text), &[], 1).is_ok());
+    }
+}
+
 // A chain of steps, each depending on the one before, must neither recurse deeply nor take quadratic time.
 #[test]
 fn a_long_chain_of_steps_reads() {

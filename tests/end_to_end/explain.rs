@@ -7,6 +7,7 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("P0003", "a file of over 1 MiB"),
     ("P0208", "over 10 000 steps"),
     ("P0505", "a trace of another plan"),
+    ("P0507", "over 10 000 claims"),
     ("P0607", "a second file"),
     ("P0644", "a table with a fault in its rows"),
     ("P0645", "a table with columns of another plan"),

@@ -10,7 +10,7 @@ use signal::Span;
 use super::envelope::ListEntry;
 use super::groups::{self, DEEPEST, PlanGroup};
 use super::keys::MOST_TIMES;
-use super::read::{MAX_STEPS, PlanDocument};
+use super::read::{MAX_STEPS, PlanDocument, size};
 use crate::codes;
 use crate::lang::{Anchor, AnchorBase, Bindings, substitute};
 use crate::steps::CasePart;
@@ -86,9 +86,16 @@ pub(super) fn lists<'d>(
     out: &mut Findings,
 ) -> Lists<'d> {
     let plan = Rc::new(GroupCall::default());
-    let mut expander = Expander { groups: &document.groups, plan: bindings, lists: Lists::default() };
-    expander.lists.expect = present(&document.expect, row, bindings, &plan, out);
-    expander.lists.measure = present(&document.measure, row, bindings, &plan, out);
+    let mut expander = Expander {
+        groups: &document.groups,
+        plan: bindings,
+        lists: Lists::default(),
+        values: MOST_VALUES,
+        is_full: false,
+    };
+    let expect = present(&document.expect, row, bindings, &plan, out);
+    let measure = present(&document.measure, row, bindings, &plan, out);
+    expander.claims(expect, measure, out);
     for step in present(&document.steps, row, bindings, &plan, out) {
         expander.step(step, 0, out);
     }
@@ -117,17 +124,73 @@ pub(super) fn present<'d>(
     here
 }
 
+/// Most values that the references of one case are replaced by, in all its entries: bounds the memory that it takes.
+const MOST_VALUES: u64 = 500_000;
+/// Most claims and measurements of a case, with those of its groups.
+const MOST_CLAIMS: usize = 10_000;
+
 struct Expander<'d, 'b> {
     groups: &'d [PlanGroup],
     /// What rows, sweeps and parameters are in this case.
     plan: &'b Bindings<'d>,
     lists: Lists<'d>,
+    /// How many values more may be put in.
+    values: u64,
+    /// A limit was reached, and reported: nothing is added any more.
+    is_full: bool,
 }
 
 impl<'d> Expander<'d, '_> {
+    /// Takes room for the values of an entry that are its own; reports where there is none left.
+    fn has_room(&mut self, values: u64, place: &Range<usize>, out: &mut Findings) -> bool {
+        match self.values.checked_sub(values) {
+            _ if self.is_full => false,
+            Some(left) => {
+                self.values = left;
+                true
+            }
+            None => {
+                self.is_full = true;
+                let message = format!("with its references the case has more than {MOST_VALUES} values");
+                let help = "give groups fewer or shorter arguments, or run them less often";
+                out.error(codes::TOO_MANY_STEPS, place.clone(), message, help);
+                false
+            }
+        }
+    }
+
+    /// Adds claims and measurements.
+    fn claims(&mut self, expect: Vec<PlacedEntry<'d>>, measure: Vec<PlacedEntry<'d>>, out: &mut Findings) {
+        for (entry, is_measurement) in expect
+            .into_iter()
+            .map(|entry| (entry, false))
+            .chain(measure.into_iter().map(|entry| (entry, true)))
+        {
+            if !self.has_room(own_values(&entry.node), &entry.node.span, out) {
+                return;
+            }
+            if self.lists.expect.len() + self.lists.measure.len() >= MOST_CLAIMS {
+                self.is_full = true;
+                let message = format!("with its groups the case has more than {MOST_CLAIMS} claims");
+                let help = "claim of all pulses of a train at once, or split the plan";
+                out.error(codes::TOO_MANY_CLAIMS, entry.node.span.clone(), message, help);
+                return;
+            }
+            if is_measurement {
+                self.lists.measure.push(entry);
+            } else {
+                self.lists.expect.push(entry);
+            }
+        }
+    }
+
     /// Adds a step and what it runs.
     fn step(&mut self, step: PlacedEntry<'d>, depth: usize, out: &mut Findings) {
+        if !self.has_room(own_values(&step.node), &step.node.span, out) {
+            return;
+        }
         if self.lists.steps.len() >= MAX_STEPS {
+            self.is_full = true;
             let message = format!("with its groups the case has more than {MAX_STEPS} steps");
             out.error(codes::TOO_MANY_STEPS, step.node.span.clone(), message, "a train has many pulses");
             return;
@@ -142,6 +205,7 @@ impl<'d> Expander<'d, '_> {
         let (part, call) = (step.part, Rc::clone(&step.call));
         self.lists.steps.push(step);
         let Some((group, args)) = self.arguments(&run, &call, out) else { return };
+        let given: u64 = args.iter().map(|(_, value)| size(value)).sum();
         let mut places = vec![node.span.clone()];
         places.extend(call.places.iter().cloned());
         if depth >= DEEPEST {
@@ -150,12 +214,17 @@ impl<'d> Expander<'d, '_> {
             return;
         }
         let Some(turns) = turns(&node) else {
+            if !self.has_room(given, &node.span, out) {
+                return;
+            }
             let inner = Rc::new(GroupCall { path: id, places });
             self.bring(group, &args, &inner, part, parent, depth, out);
             return;
         };
         for (n, after) in turns {
-            if self.lists.steps.len() >= MAX_STEPS || out.is_full() {
+            let values = own_values(&node) + given;
+            if self.lists.steps.len() >= MAX_STEPS || out.is_full() || !self.has_room(values, &node.span, out)
+            {
                 break;
             }
             let place = self.lists.steps.len();
@@ -187,8 +256,12 @@ impl<'d> Expander<'d, '_> {
         }
         bindings.append(self.plan);
         call.announce(out);
-        self.lists.expect.extend(present(&group.expect, None, &bindings, call, out));
-        self.lists.measure.extend(present(&group.measure, None, &bindings, call, out));
+        let expect = present(&group.expect, None, &bindings, call, out);
+        let measure = present(&group.measure, None, &bindings, call, out);
+        self.claims(expect, measure, out);
+        if self.is_full {
+            return;
+        }
         for step in present(&group.steps, None, &bindings, call, out) {
             call.announce(out);
             self.step(PlacedEntry { part, parent: Some(parent), ..step }, depth + 1, out);
@@ -251,6 +324,14 @@ impl<'d> Expander<'d, '_> {
             }
         }
         (out.errors() == before).then_some((group, args))
+    }
+}
+
+/// How many values an entry has for itself: those of the plan's text it only points at.
+fn own_values(node: &Cow<'_, Node>) -> u64 {
+    match node {
+        Cow::Borrowed(_) => 0,
+        Cow::Owned(node) => size(node),
     }
 }
 

@@ -1,5 +1,6 @@
 //! `group`: steps and claims with a name and arguments.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use document::{Data, Diagnostic, Entry, Fields, Findings, Node, Table, suggest};
@@ -12,6 +13,8 @@ use crate::lang::{has_reference, is_id};
 
 /// Groups that run others, one within another.
 pub(super) const DEEPEST: usize = 8;
+/// Most groups of a plan, with those of the files that it includes.
+const MOST_GROUPS: usize = 1_000;
 /// Ids that steps of a group cannot have: they are parts of the step that runs it.
 pub(super) const RESERVED: &[&str] = &["begin", "done", "pulse"];
 
@@ -44,6 +47,11 @@ pub(super) fn read(root: &Table, out: &mut Findings) -> Option<Vec<PlanGroup>> {
         out.bad(codes::WRONG_TYPE, node, format!("`group` is {}, not a table", node.kind()), help);
         return Some(Vec::new());
     };
+    if table.entries.len() > MOST_GROUPS {
+        let message = format!("the plan has {} groups; {MOST_GROUPS} is the most", table.entries.len());
+        out.bad(codes::TOO_LARGE, node, message, "split the plan");
+        return None;
+    }
     let groups: Vec<PlanGroup> = table.entries.iter().filter_map(|entry| group(entry, out)).collect();
     (!endless(&groups, out)).then_some(groups)
 }
@@ -152,9 +160,10 @@ fn arg(entry: &Entry, out: &mut Findings) -> Option<Arg> {
 
 /// Whether each group is run by one of these steps, or by a group that is.
 pub(super) fn run_by_steps(steps: &[ListEntry], groups: &[PlanGroup]) -> Vec<bool> {
+    let places = places(groups);
     let runs = |list: &[ListEntry]| -> Vec<usize> {
         let names = list.iter().filter_map(|step| run_by(&step.node)?.as_text());
-        names.filter_map(|name| groups.iter().position(|group| group.name == name)).collect()
+        names.filter_map(|name| places.get(name).copied()).collect()
     };
     let mut run = vec![false; groups.len()];
     let mut open = runs(steps);
@@ -191,7 +200,8 @@ pub(super) fn find<'g>(groups: &'g [PlanGroup], node: &Node, out: &mut Findings)
 
 /// Reports the first circle of groups that run each other, if there is one.
 fn endless(groups: &[PlanGroup], out: &mut Findings) -> bool {
-    let place = |name: &str| groups.iter().position(|group| group.name == name);
+    let places = places(groups);
+    let place = |name: &str| places.get(name).copied();
     // What a group was found to be: not looked at, on the way, free of circles.
     let mut marks = vec![0u8; groups.len()];
     for first in 0..groups.len() {
@@ -225,23 +235,45 @@ fn endless(groups: &[PlanGroup], out: &mut Findings) -> bool {
     false
 }
 
-/// How many values the calls of these steps put into a case, at most about: bounds the time that checking takes.
-pub(super) fn weight(steps: &[ListEntry], groups: &[PlanGroup], depth: usize) -> u64 {
-    let calls = steps.iter().filter_map(|step| {
-        let name = run_by(&step.node)?.as_text()?;
-        let group = groups.iter().find(|group| group.name == name)?;
-        let times =
-            step.node.as_table()?.get("every").and_then(|every| every.as_table()?.get("times").cloned());
-        let times = match times.map(|times| times.data) {
-            None => 1,
-            Some(Data::Integer(times)) => u64::try_from(times).unwrap_or(1),
-            Some(_) => MAX_STEPS as u64,
-        };
+/// The places of groups by their names.
+fn places(groups: &[PlanGroup]) -> BTreeMap<&str, usize> {
+    // Of two groups of one name, which TOML does not have, the first counts.
+    groups.iter().enumerate().rev().map(|(place, group)| (group.name.as_str(), place)).collect()
+}
+
+/// How many values the calls of these steps put into a case, at most about: bounds the time that checking takes. Each
+/// group is weighed once for each depth, however often it is run.
+pub(super) fn weight(steps: &[ListEntry], groups: &[PlanGroup]) -> u64 {
+    let places = places(groups);
+    let calls = |steps: &[ListEntry]| -> Vec<(usize, u64)> {
+        let calls = steps.iter().filter_map(|step| {
+            let place = *places.get(run_by(&step.node)?.as_text()?)?;
+            let times =
+                step.node.as_table()?.get("every").and_then(|every| every.as_table()?.get("times").cloned());
+            let times = match times.map(|times| times.data) {
+                None => 1,
+                Some(Data::Integer(times)) => u64::try_from(times).unwrap_or(1),
+                Some(_) => MAX_STEPS as u64,
+            };
+            Some((place, times))
+        });
+        calls.collect()
+    };
+    let own = |group: &PlanGroup| -> u64 {
         let lists = [&group.steps, &group.expect, &group.measure];
-        let own: u64 =
-            lists.iter().flat_map(|list| list.iter()).map(|one| super::read::size(&one.node)).sum();
-        let inner = if depth < DEEPEST { weight(&group.steps, groups, depth + 1) } else { 0 };
-        Some(own.saturating_add(inner).saturating_mul(times))
-    });
-    calls.fold(0, u64::saturating_add)
+        lists.iter().flat_map(|list| list.iter()).map(|one| super::read::size(&one.node)).sum()
+    };
+    let own: Vec<u64> = groups.iter().map(own).collect();
+    let of_groups: Vec<Vec<(usize, u64)>> = groups.iter().map(|group| calls(&group.steps)).collect();
+    let sum = |calls: &[(usize, u64)], inner: &[u64]| {
+        let each =
+            |(place, times): &(usize, u64)| own[*place].saturating_add(inner[*place]).saturating_mul(*times);
+        calls.iter().map(each).fold(0, u64::saturating_add)
+    };
+    // What the calls of each group bring, from the innermost depth outwards.
+    let mut inner = vec![0u64; groups.len()];
+    for _ in 0..DEEPEST {
+        inner = of_groups.iter().map(|calls| sum(calls, &inner)).collect();
+    }
+    sum(&calls(steps), &inner)
 }

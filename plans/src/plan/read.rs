@@ -248,7 +248,7 @@ fn read_joined(text: &PlanText, parameters: &[(String, String)], seed: u64) -> R
                 .filter(|entry| !APART.contains(&entry.key.as_str()))
                 .map(|entry| size(&entry.node)),
         )
-        .chain([groups::weight(&steps, &groups, 0)])
+        .chain([groups::weight(&steps, &groups)])
         .fold(0, u64::saturating_add);
     if !is_feasible(variants.rows.len() as u64, nodes, &mut out) {
         return Err(out.into_vec());
