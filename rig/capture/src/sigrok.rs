@@ -6,6 +6,7 @@ use crate::time::{hertz, period as period_of};
 use crate::zip::{self, ZipEntry};
 use crate::{Capture, CaptureError, ChannelType, Knowledge};
 use signal::{Span, Time, Value, When};
+use std::collections::BTreeSet;
 
 /// The most bytes of samples that are unpacked.
 const MAX_UNPACKED: usize = 1 << 30;
@@ -107,6 +108,16 @@ impl Device {
                 "unitsize" => device.unit = value.parse().unwrap_or(0),
                 "capturefile" => value.clone_into(&mut device.file),
                 _ => {}
+            }
+        }
+        for numbers in [&device.logic, &device.analog] {
+            let mut known = BTreeSet::new();
+            // The samples of a channel would be unpacked once for each of its names.
+            if let Some((number, name)) = numbers.iter().find(|(number, _)| !known.insert(*number)) {
+                return Err(wrong(
+                    format!("`{name}` is a second channel {number}"),
+                    "save it with sigrok or PulseView",
+                ));
             }
         }
         if devices > 1 {
@@ -223,4 +234,18 @@ fn parts<'a>(entries: &'a [ZipEntry], name: &str) -> Vec<&'a ZipEntry> {
         entries.iter().filter_map(|entry| Some((number(entry)?, entry))).collect();
     parts.sort_by_key(|(number, _)| *number);
     parts.into_iter().map(|(_, entry)| entry).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_is_that_of_one_channel() {
+        let session =
+            |analog: &str| format!("[device 1]\nsamplerate=1 kHz\ntotal analog=2\nanalog1=a\n{analog}=b\n");
+        assert!(Device::read(&session("analog2"), None).is_ok());
+        let error = Device::read(&session("analog01"), None).unwrap_err();
+        assert!(error.to_string().contains("`b` is a second channel 1"), "{error}");
+    }
 }
