@@ -55,20 +55,26 @@ struct Taken<'t> {
     found: bool,
     /// For each of the elements around the present place that have declarations, whether it has been read.
     declared: Vec<bool>,
+    /// A place in the file, and the characters before it in its line.
+    seen: (usize, usize),
+    /// Characters of the last line of the text.
+    column: usize,
+    /// Whether a remark up to the end of the line begins in the last line of the text.
+    remark: bool,
 }
 
 impl<'t> Taken<'t> {
     fn take(&mut self, event: XmlEvent<'t>, at: usize) -> Result<(), SourceFault> {
         match event {
             XmlEvent::Break => {
-                self.text.push('\n');
+                self.push("\n");
                 self.flush();
             }
             XmlEvent::Text(text) => match self.open.last().copied() {
                 Some("Declaration") if self.is_first_declaration() => self.declaration(&text, at),
                 Some("ST") => self.content(&text, at),
                 // Of no interest: only its lines count.
-                _ => self.text.extend(text.chars().filter(|c| *c == '\n')),
+                _ => text.chars().filter(|c| *c == '\n').for_each(|_| self.push("\n")),
             },
             XmlEvent::Open(name, given) => {
                 let name = match (name, self.open.last()) {
@@ -139,15 +145,43 @@ impl<'t> Taken<'t> {
 
     /// Divides what follows from what stands before: a remark up to the end of its line would swallow it.
     fn part(&mut self) {
-        let line = self.text.rsplit('\n').next().unwrap_or("");
-        self.text.push(if line.contains("//") { '\n' } else { ' ' });
+        self.push(if self.remark { "\n" } else { " " });
+    }
+
+    /// Adds to the text, and keeps count of where its last line is: a file may be one line.
+    fn push(&mut self, text: &str) {
+        let line = match text.rfind('\n') {
+            None => {
+                self.remark |= text.starts_with('/') && self.text.ends_with('/');
+                text
+            }
+            Some(end) => {
+                (self.column, self.remark) = (0, false);
+                text.get(end + 1..).unwrap_or("")
+            }
+        };
+        self.column += line.chars().count();
+        self.remark |= line.contains("//");
+        self.text.push_str(text);
+    }
+
+    /// The characters before a place of the file in its line. Places come in their order.
+    fn column_of(&mut self, at: usize) -> usize {
+        let (from, column) = self.seen;
+        let between = self.file.get(from..at).unwrap_or("");
+        let column = match between.rfind('\n') {
+            None => column + between.chars().count(),
+            Some(end) => between.get(end + 1..).unwrap_or("").chars().count(),
+        };
+        self.seen = (at, column);
+        column
     }
 
     /// Words that are still to be written come into the line here.
     fn flush(&mut self) {
-        for word in self.pending.drain(..) {
-            self.text.push_str(&word);
-            self.text.push(' ');
+        for word in std::mem::take(&mut self.pending) {
+            self.push(&word);
+            self.push(" ");
         }
     }
 
@@ -171,11 +205,9 @@ impl<'t> Taken<'t> {
             self.part();
             self.flush();
         }
-        let column = |text: &str| text.rsplit('\n').next().unwrap_or("").chars().count();
-        let wanted = column(self.file.get(..at).unwrap_or(""));
-        let missing = wanted.saturating_sub(column(&self.text)).max(1);
-        self.text.extend(std::iter::repeat_n(' ', missing));
-        self.text.push_str(text);
+        let missing = self.column_of(at).saturating_sub(self.column).max(1);
+        self.push(&" ".repeat(missing));
+        self.push(text);
     }
 }
 

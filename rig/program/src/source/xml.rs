@@ -14,6 +14,9 @@ pub(super) enum XmlEvent<'t> {
     Break,
 }
 
+/// Bytes of the longest name of an entity and its semicolon.
+const LONGEST_ENTITY: usize = 16;
+
 /// How deep elements may stand inside each other.
 const DEPTH: usize = 100;
 
@@ -121,7 +124,9 @@ fn unescaped(text: &str) -> String {
     let mut rest = text;
     while let Some((before, after)) = rest.split_once('&') {
         plain.push_str(before);
-        let known = after.split_once(';').and_then(|(name, after)| Some((character(name)?, after)));
+        // No entity is longer; a text of `&` alone would be looked through once for each.
+        let end = after.bytes().take(LONGEST_ENTITY).position(|byte| byte == b';');
+        let known = end.and_then(|end| Some((character(after.get(..end)?)?, after.get(end + 1..)?)));
         rest = match known {
             Some((c, after)) => {
                 plain.push(c);
