@@ -5,6 +5,7 @@ use proptest::prelude::*;
 use scanrig_program::{Machine, Options, ProgramLimits, compile};
 use signal::{Span, Time};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 /// Pieces from which texts are put together.
 const PIECES: &[&str] = &[
@@ -246,4 +247,75 @@ fn large_arrays_are_refused_at_once() {
         let text = format!("PROGRAM MAIN VAR a : {array}; END_VAR END_PROGRAM");
         assert_eq!(codes(&text), ["S0502"], "{array}");
     }
+}
+
+#[test]
+fn large_types_are_counted_together() {
+    let mut text = String::new();
+    for n in 0..60 {
+        text += &format!(
+            "TYPE t{n} : STRUCT a : ARRAY[1..30000000] OF BYTE; b : BYTE := 1; END_STRUCT END_TYPE\n"
+        );
+    }
+    assert!(codes(&(text + "PROGRAM MAIN VAR n : INT; END_VAR END_PROGRAM")).contains(&"S0502"));
+    let mut text = String::new();
+    for n in 0..200 {
+        text += &format!("FUNCTION f{n} : INT VAR a : ARRAY[1..1000000] OF BYTE; END_VAR END_FUNCTION\n");
+    }
+    assert!(codes(&(text + "PROGRAM MAIN VAR n : INT; END_VAR END_PROGRAM")).contains(&"S0502"));
+}
+
+#[test]
+fn blocks_that_extend_many_are_refused_at_once() {
+    for reverse in [false, true] {
+        let mut blocks: Vec<String> = (1..4_000)
+            .map(|n| format!("FUNCTION_BLOCK b{n} EXTENDS b{} END_FUNCTION_BLOCK\n", n - 1))
+            .collect();
+        blocks.insert(0, String::from("FUNCTION_BLOCK b0 METHOD m : INT END_METHOD END_FUNCTION_BLOCK\n"));
+        if reverse {
+            blocks.reverse();
+        }
+        let began = Instant::now();
+        assert!(
+            codes(&(blocks.concat() + "PROGRAM MAIN VAR x : b9; END_VAR END_PROGRAM")).contains(&"S0504")
+        );
+        assert!(began.elapsed() < Duration::from_secs(60), "{:?}", began.elapsed());
+    }
+}
+
+#[test]
+fn interfaces_that_meet_in_one_are_looked_at_once() {
+    let mut text =
+        String::from("INTERFACE a0 METHOD m : INT END_METHOD END_INTERFACE\nINTERFACE b0 END_INTERFACE\n");
+    for n in 1..60 {
+        for name in ["a", "b"] {
+            text += &format!("INTERFACE {name}{n} EXTENDS a{0}, b{0} END_INTERFACE\n", n - 1);
+        }
+    }
+    text += "FUNCTION_BLOCK f IMPLEMENTS a59 METHOD m : INT m := 1; END_METHOD END_FUNCTION_BLOCK\n";
+    text += "PROGRAM MAIN VAR x : f; i : b59; j : b0; END_VAR j := i; i := x; END_PROGRAM";
+    let began = Instant::now();
+    let found = codes(&text);
+    assert!(began.elapsed() < Duration::from_secs(60), "{:?}", began.elapsed());
+    // The block implements `a59` and not `b59`.
+    assert!(!found.is_empty() && found.len() < 5, "{found:?}");
+}
+
+#[test]
+fn methods_in_one_line_of_xml_are_read_at_once() {
+    let method = |n: usize| {
+        format!(
+            "<Method Name=\"m{n}\"><Declaration><![CDATA[METHOD m{n} : INT]]></Declaration><Implementation><ST><![CDATA[m{n} := 1;]]></ST></Implementation></Method>"
+        )
+    };
+    let methods: String = (0..20_000).map(method).collect();
+    let text = format!(
+        "<TcPlcObject><POU Name=\"f\"><Declaration><![CDATA[FUNCTION_BLOCK f]]></Declaration>{methods}</POU></TcPlcObject>"
+    );
+    let began = Instant::now();
+    let source = scanrig_program::source("f.TcPOU", text.as_bytes()).unwrap();
+    assert!(source.text.contains("METHOD m19999 : INT") && source.text.lines().count() == 1);
+    let many = format!("<POU><Declaration>{}</Declaration></POU>", "&".repeat(4_000_000));
+    let _ = scanrig_program::source("f.TcPOU", many.as_bytes());
+    assert!(began.elapsed() < Duration::from_secs(60), "{:?}", began.elapsed());
 }

@@ -50,9 +50,12 @@ impl<'a> Sema<'a> {
             *header = class.to_le_bytes();
         }
         let size = self.members(place, image.len() as u32);
-        image.resize(size as usize, 0);
         self.pous[place as usize].size = size;
-        self.member_initials(place, &mut image, 0);
+        let at = self.pous[place as usize].ast.name.at;
+        if self.has_image_room(size, at) {
+            image.resize(size as usize, 0);
+            self.member_initials(place, &mut image, 0);
+        }
         self.pous[place as usize].image = image;
         self.pous[place as usize].state = State::Done(());
         self.context = outer;

@@ -7,6 +7,12 @@ use crate::code::ObjectClass;
 use crate::codes::Code;
 use crate::findings::SourcePlace;
 use crate::parse::ast::{self, Name, PouKind, SectionKind};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Most methods and properties that all interfaces inherit together.
+const MOST_HEADS: usize = 100_000;
+/// Most entries of the tables by which methods are chosen while a program runs.
+const MOST_TARGETS: usize = 10_000_000;
 
 impl<'a> Sema<'a> {
     /// EXTENDS and IMPLEMENTS of every block and interface.
@@ -77,22 +83,27 @@ impl<'a> Sema<'a> {
         }
     }
 
-    /// A block that extends itself through others loses its base.
+    /// A block that extends itself through others loses its base, and so does one that extends too many: what follows
+    /// goes through all that a block extends, for each block.
     fn break_circles(&mut self) {
         for place in 0..self.pous.len() as u32 {
             let mut at = self.pous[place as usize].base;
-            for _ in 0..=self.pous.len() {
-                match at {
-                    None => break,
-                    Some(base) if base == place => {
-                        let name = self.pous[place as usize].ast.name;
-                        let message = format!("`{}` extends itself", self.shown(name));
-                        self.findings.error(Code::ContainsItself, name.at, message, "remove EXTENDS");
-                        self.pous[place as usize].base = None;
-                        break;
-                    }
-                    Some(base) => at = self.pous[base as usize].base,
+            let mut levels = 0;
+            while let Some(base) = at {
+                let name = self.pous[place as usize].ast.name;
+                if base == place {
+                    let message = format!("`{}` extends itself", self.shown(name));
+                    self.findings.error(Code::ContainsItself, name.at, message, "remove EXTENDS");
+                } else if levels >= super::TYPE_DEPTH {
+                    let message = "blocks extend each other too deeply";
+                    self.findings.error(Code::Depth, name.at, message, "use fewer levels");
+                } else {
+                    levels += 1;
+                    at = self.pous[base as usize].base;
+                    continue;
                 }
+                self.pous[place as usize].base = None;
+                break;
             }
         }
     }
@@ -125,6 +136,13 @@ impl<'a> Sema<'a> {
                     heads.push((selector, head));
                 }
             }
+        }
+        self.heads += heads.len();
+        if self.heads > MOST_HEADS {
+            let at = self.interfaces[place as usize].ast.name.at;
+            let message = format!("the interfaces inherit more than {MOST_HEADS} methods together");
+            self.findings.error(Code::Length, at, message, "let fewer interfaces extend large ones");
+            heads.clear();
         }
         let ast = self.interfaces[place as usize].ast;
         let shown = self.interfaces[place as usize].shown.clone();
@@ -292,18 +310,31 @@ impl<'a> Sema<'a> {
 
     /// Whether a block implements an interface, itself or through what it extends.
     pub(super) fn implements(&self, place: u32, interface: u32) -> bool {
-        self.lineage(place).any(|owner| {
-            let own = self.pous.get(owner as usize).map_or(&[][..], |pou| pou.interfaces.as_slice());
-            own.iter().any(|own| self.interface_extends(*own, interface, 0))
-        })
+        self.bases(self.implemented(place)).contains(&interface)
     }
 
-    pub(super) fn interface_extends(&self, place: u32, other: u32, depth: usize) -> bool {
-        place == other
-            || depth <= super::TYPE_DEPTH as usize
-                && self.interfaces.get(place as usize).is_some_and(|interface| {
-                    interface.extends.iter().any(|base| self.interface_extends(*base, other, depth + 1))
-                })
+    /// The interfaces that a block and those that it extends name.
+    fn implemented(&self, place: u32) -> Vec<u32> {
+        let owners = self.lineage(place).filter_map(|owner| self.pous.get(owner as usize));
+        owners.flat_map(|pou| pou.interfaces.iter().copied()).collect()
+    }
+
+    pub(super) fn interface_extends(&self, place: u32, other: u32) -> bool {
+        self.bases([place]).contains(&other)
+    }
+
+    /// Interfaces with all that they extend, each looked at once: they may meet in one base by many ways.
+    fn bases(&self, interfaces: impl IntoIterator<Item = u32>) -> BTreeSet<u32> {
+        let mut found = BTreeSet::new();
+        let mut open: Vec<u32> = interfaces.into_iter().collect();
+        while let Some(place) = open.pop() {
+            if found.insert(place) {
+                open.extend(
+                    self.interfaces.get(place as usize).iter().flat_map(|interface| &interface.extends),
+                );
+            }
+        }
+        found
     }
 
     /// Whether some block that extends this one overrides the method.
@@ -321,9 +352,28 @@ impl<'a> Sema<'a> {
     }
 
     /// The classes of the blocks, for calls that are bound at run time.
-    pub(super) fn classes(&self) -> Vec<ObjectClass> {
+    pub(super) fn classes(&mut self) -> Vec<ObjectClass> {
+        if self.kinds.len().saturating_mul(self.selectors.len()) > MOST_TARGETS {
+            let message = format!(
+                "{} blocks with {} methods that are chosen while the program runs are too many",
+                self.kinds.len(),
+                self.selectors.len()
+            );
+            let help = "let fewer blocks have methods that others override";
+            self.findings.error(Code::Length, SourcePlace::default(), message, help);
+        }
+        if self.findings.failed() {
+            return Vec::new();
+        }
         let blocks = (0..self.pous.len() as u32)
             .filter(|place| self.pous[*place as usize].ast.kind == PouKind::FunctionBlock);
+        let (mut block_kinds, mut interface_kinds) = (BTreeMap::new(), BTreeMap::new());
+        for (kind, nth) in self.kinds.iter().zip(0u32..) {
+            match kind {
+                SymbolKind::Block(place) => block_kinds.insert(*place, nth),
+                SymbolKind::Interface(place) => interface_kinds.insert(*place, nth),
+            };
+        }
         let class = |place: u32| {
             let method = |selector: &MethodSelector| {
                 let found = match selector.kind {
@@ -332,15 +382,12 @@ impl<'a> Sema<'a> {
                 };
                 found.map(|unit| unit as u16)
             };
-            let is = |kind: &SymbolKind| match kind {
-                SymbolKind::Block(other) => self.extends(place, *other),
-                SymbolKind::Interface(other) => self.implements(place, *other),
-            };
-            let kinds = self.kinds.iter().enumerate().filter(|(_, kind)| is(kind));
-            ObjectClass {
-                methods: self.selectors.iter().map(method).collect(),
-                kinds: kinds.map(|(nth, _)| nth as u32).collect(),
-            }
+            let of_block = self.lineage(place).filter_map(|owner| block_kinds.get(&owner));
+            let bases = self.bases(self.implemented(place));
+            let of_interfaces = bases.iter().filter_map(|base| interface_kinds.get(base));
+            let mut kinds: Vec<u32> = of_block.chain(of_interfaces).copied().collect();
+            kinds.sort_unstable();
+            ObjectClass { methods: self.selectors.iter().map(method).collect(), kinds }
         };
         blocks.map(class).collect()
     }

@@ -232,7 +232,7 @@ impl<'a> Sema<'a> {
             (Type::Pointer(_), Type::Pointer(_)) => true,
             (Type::RefTo(a) | Type::Pointer(a), Type::RefTo(b) | Type::Pointer(b))
             | (Type::Reference(a), Type::Reference(b)) => a == b || self.block_extends(*a, *b),
-            (Type::Interface(a), Type::Interface(b)) => self.interface_extends(*a, *b, 0),
+            (Type::Interface(a), Type::Interface(b)) => self.interface_extends(*a, *b),
             _ => false,
         }
     }

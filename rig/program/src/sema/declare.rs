@@ -325,6 +325,10 @@ impl<'a> Sema<'a> {
                 size = self.frame_variable(place, section, decl, size);
             }
         }
+        let at = self.callables[place as usize].name.at;
+        if !self.has_image_room(size, at) {
+            return;
+        }
         // Instances and structures have initial bytes, given values come over them.
         let callable = &mut self.callables[place as usize];
         callable.frame.resize(size as usize, 0);

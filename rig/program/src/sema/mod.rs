@@ -69,6 +69,8 @@ type KeyMap<K, V> = HashMap<K, V, BuildHasherDefault<KeyHasher>>;
 
 /// How deep types may contain each other.
 const TYPE_DEPTH: u32 = 100;
+/// Initial images of types, blocks and frames together, as a multiple of the memory of all variables.
+const IMAGES: u64 = 2;
 
 /// What a name at the outside means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,6 +139,10 @@ struct Sema<'a> {
     selector_index: HashMap<scope::MethodSelector, u32>,
     kinds: Vec<scope::SymbolKind>,
     depth: u32,
+    /// Bytes of the initial images of types, blocks and frames so far.
+    images: u64,
+    /// Methods and properties that interfaces inherit, so far.
+    heads: usize,
     /// Whether the type of an in-out is being found out, which may be an array of variable length.
     in_out: bool,
     /// Whether the type of an input is being found out, which may be any type.
@@ -197,6 +203,8 @@ pub(crate) fn check<'a>(
         selector_index: HashMap::new(),
         kinds: Vec::new(),
         depth: 0,
+        images: 0,
+        heads: 0,
         in_out: false,
         any: false,
         data: Vec::new(),
@@ -348,6 +356,30 @@ impl<'a> Sema<'a> {
         }
         let message = format!("the variables need more than {} bytes", self.options.limits.memory);
         self.findings.error(crate::codes::Code::DataSize, at, message, "use smaller arrays");
+        false
+    }
+}
+
+impl Sema<'_> {
+    /// Whether there is room for so many more bytes of the initial images of types, blocks and frames, which stand beside
+    /// each other while a program is compiled; reports the first that has none. Each of them alone may be as large as
+    /// the memory of all variables.
+    fn has_image_room(&mut self, bytes: u32, at: SourcePlace) -> bool {
+        let most = u64::from(self.options.limits.memory) * IMAGES;
+        if self.images > most {
+            return false;
+        }
+        self.images = self.images.saturating_add(u64::from(bytes));
+        if self.images <= most {
+            return true;
+        }
+        let message = format!("the types and blocks need more than {most} bytes together");
+        self.findings.error(
+            crate::codes::Code::DataSize,
+            at,
+            message,
+            "use smaller arrays, or fewer types with them",
+        );
         false
     }
 }

@@ -426,11 +426,16 @@ impl<'a> Sema<'a> {
             built.size = built.size.max(end as u32);
             built.align = built.align.max(layout.align);
             let mut bytes = Vec::new();
-            self.default_bytes(ty, &mut bytes);
-            if built.image.len() < end as usize {
-                built.image.resize(end as usize, 0);
+            if self.has_image_room(layout.size, member.name.at) {
+                self.default_bytes(ty, &mut bytes);
+                if built.image.len() < end as usize {
+                    built.image.resize(end as usize, 0);
+                }
             }
-            if !union && let Some(room) = built.image.get_mut(offset as usize..end as usize) {
+            if !union
+                && !bytes.is_empty()
+                && let Some(room) = built.image.get_mut(offset as usize..end as usize)
+            {
                 room.copy_from_slice(&bytes);
             }
             let name = self.shown(member.name).to_string();
@@ -442,7 +447,9 @@ impl<'a> Sema<'a> {
         }
         built.align = built.align.max(1);
         built.size = built.size.max(1).next_multiple_of(built.align);
-        built.image.resize(built.size as usize, 0);
+        if self.has_image_room(0, SourcePlace::default()) {
+            built.image.resize(built.size as usize, 0);
+        }
         let mut image = std::mem::take(&mut built.image);
         if let Some(structure) = self.structures.get_mut(place as usize) {
             *structure = built;

@@ -277,7 +277,9 @@ impl Sema<'_> {
             }
             Type::Structure(place) => {
                 if let Some(structure) = self.structures.get(*place as usize) {
+                    let end = out.len() + structure.size as usize;
                     out.extend_from_slice(&structure.image);
+                    out.resize(end, 0);
                 }
             }
             Type::Block(place) => {
