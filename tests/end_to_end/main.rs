@@ -18,6 +18,7 @@ mod exceptions;
 mod expectations;
 mod explain;
 mod fail;
+mod files;
 mod goldens;
 mod guards;
 mod history;

@@ -2,11 +2,14 @@
 
 use crate::project_folder::{LAMP, TestProject};
 
-const BOARD: &str = "format = 1\n[board]\nkind = \"simulated\"\n[buses]\nmachine = { kind = \"can\" }\n";
+const BOARD: &str =
+    "format = 1\n[board]\nkind = \"simulated\"\n[buses]\nmachine = { kind = \"can\", bitrate = 250_000 }\n";
 
 /// A plan that sends a frame on a bus of its board.
 fn frames(bus: &str) -> String {
-    let send = format!("{{ id = \"tell\", at = \"press + 1 s\", send = {{ frame = \"{bus}:123#11\" }} }}");
+    let send = format!(
+        "{{ id = \"frame\", at = \"press + 1 s\", send = {{ bus = \"{bus}\", id = 0x181, data = \"01\" }} }}"
+    );
     LAMP.replace("program =", "board = \"bench.toml\"\nprogram =")
         .replace("value = true } },\n]", &format!("value = true }} }},\n  {send},\n]"))
 }
