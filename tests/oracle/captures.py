@@ -1,7 +1,7 @@
 """Recordings of other instruments: what a scene does, as a logic analyser samples it and as a recorder stamps it.
 
 The same plan is judged by `rig judge`; its steps lie where it has them. Of a sampled signal only the samples are known. Of a
-stamped one each change lies within the timescale before its stamp, and nothing else happened.
+stamped one each change lies within the timescale before or after its stamp, and nothing else happened.
 """
 
 import random
@@ -114,7 +114,7 @@ def stamped(scene, scale, ends, start):
         for stamp, value in sorted(stamps.items()):
             if stamp * scale > start + ends or value == last:
                 continue
-            known = ((stamp - 1) * scale + 1, stamp * scale) if tracks[name] else (BEFORE, -1)
+            known = ((stamp - 1) * scale, (stamp + 1) * scale) if tracks[name] else (BEFORE, -1)
             tracks[name].append(Change(*known, 1, value))
             changes.setdefault(stamp, []).append((name, value))
             last = value

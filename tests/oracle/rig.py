@@ -8,6 +8,8 @@ from fractions import Fraction
 
 from figures import INTEGERS, shown
 
+# How long a call may take, many times what it does on a busy machine, and the code of one that takes longer.
+PATIENCE, HANGS = 60, -1
 FINDING = re.compile(r"^error\[(\w+)\]: (.*)\n +--> (?:.*/)?([\w-]+)\.toml:(\d+)", re.M)
 
 
@@ -20,7 +22,10 @@ class Answer:
 
 
 def run(rig, folder, *arguments):
-    return subprocess.run([rig, *arguments], cwd=folder, capture_output=True, text=True, timeout=600)
+    try:
+        return subprocess.run([rig, *arguments], cwd=folder, capture_output=True, text=True, timeout=PATIENCE)
+    except subprocess.TimeoutExpired as late:
+        return subprocess.CompletedProcess(late.cmd, HANGS, "", f"rig {' '.join(arguments)} takes more than {PATIENCE} s")
 
 
 def check(rig, folder):

@@ -6,6 +6,7 @@ does not say what it is.
 
 from fractions import Fraction
 
+import short_pulses
 from placement import LAST
 from verbs import END, START, VERBS, window
 
@@ -30,78 +31,21 @@ class Rooted:
         most, square = self.compare(other)
         return square <= most if other >= 0 else False
 
+    def __eq__(self, other):
+        return isinstance(other, Rooted) and self.square == other.square
+
     def __float__(self):
         return float(self.square) ** 0.5
 
 
-def without_short(track, shortest):
-    """What is left of a Boolean without pulses that are not longer than this, in each of the ways that this can be meant:
-    pulses of both levels, from the first one on or from the shortest one on, or those of the level TRUE alone."""
-    pulses = list(zip(track.at, track.values))
-
-    def from_first(changes, levels):
-        kept = []
-        for index, (at, value) in enumerate(changes):
-            kept.append((at, value))
-            following = changes[index + 1][0][0] if index + 1 < len(changes) else LAST
-            if len(kept) > 1 and value in levels and following - at[0] <= shortest:
-                kept.pop()
-        return merged(kept)
-
-    def from_shortest(changes):
-        changes = merged(changes)
-        while True:
-            gaps = [(changes[i + 1][0][0] - changes[i][0][0], i) for i in range(1, len(changes) - 1)]
-            if not gaps or min(gaps)[0] > shortest:
-                return changes
-            index = min(gaps)[1]
-            changes = changes[:index] + changes[index + 2:]
-
-    return [from_first(pulses, (True, False)), from_first(pulses, (True,)), from_shortest(pulses)]
-
-
-def merged(changes):
-    kept = []
-    for at, value in changes:
-        if not kept or kept[-1][1] != value:
-            kept.append((at, value))
-    return kept
-
-
 def with_filter(figure):
-    """Without what is too short to count; None where the ways to leave it out do not agree, and of numbers, of which it is
-    not said what a pulse is."""
+    """Without the short pulses of its lines."""
     def taken(keys, placement):
-        shortest = keys.get("pulses-longer-than")
-        if shortest is None:
+        if "pulses-longer-than" not in keys:
             return figure(keys, placement)
-        names = [keys[key] for key in ("signal", "leader", "of", "reference", "direction", "down", "quadrature") if key in keys]
-        names += [name for name, _ in keys.get("edges", ())]
-        for track in (placement.tracks[name] for name in names):
-            if not isinstance(track.values[-1], bool):
-                gaps = [to[0] - since[0] for since, to in zip(track.at[1:], track.at[2:])]
-                return None if any(gap <= shortest for gap in gaps) else figure(keys, placement)
-        results = []
-        for way in range(3):
-            tracks = dict(placement.tracks)
-            for name in names:
-                track = type(tracks[name])([])
-                changes = without_short(tracks[name], shortest)[way]
-                track.at, track.values = [at for at, _ in changes], [value for _, value in changes]
-                tracks[name] = track
-            results.append(figure(keys, type(placement)(tracks, placement.steps)))
-        if all(same(result, results[0]) for result in results):
-            return results[0]
-        return None
+        names = [keys[key] for key in ("signal", "of", "reference", "direction", "down", "quadrature") if key in keys]
+        return short_pulses.over_lines(figure, keys, placement, names + [name for name, _ in keys.get("edges", ())])
     return taken
-
-
-def same(one, other):
-    if isinstance(one, Rooted) and isinstance(other, Rooted):
-        return one.square == other.square
-    if isinstance(one, AtLeast) and isinstance(other, AtLeast):
-        return one.least == other.least
-    return one == other
 
 
 def window_edges(keys, placement, kind=None):
@@ -344,6 +288,9 @@ class AtLeast:
     def __init__(self, least):
         self.least = least
 
+    def __eq__(self, other):
+        return isinstance(other, AtLeast) and self.least == other.least
+
 
 def off_shape(keys, placement):
     """By how much a train is off an even shape at least: what the distances of its counts need."""
@@ -394,7 +341,7 @@ def over_window(keys, placement):
 VERBS.update({"pulse": pulse, "period": with_filter(all_periods), "frequency": with_filter(limited(frequency)),
               "duty": with_filter(limited(duty)), "jitter": with_filter(limited(jitter)), "speed": limited(speed),
               "phase": with_filter(phase), "position": with_filter(limited(position)), "profile": with_filter(profile)})
-for verb in ("rises", "falls", "changes", "becomes", "edges", "settles", "follows", "order", "pulse"):
+for verb in ("rises", "falls", "changes", "edges", "order", "pulse"):
     VERBS[verb] = with_filter(VERBS[verb])
 MEASURES = {"time": time, "value": value_at, "window": with_filter(over_window), "frequency": with_filter(frequency),
             "duty": with_filter(duty), "period": with_filter(period), "width": with_filter(width), "speed": speed,

@@ -5,7 +5,8 @@ Each function answers True, False, or None where the manual does not say. Those 
 
 from fractions import Fraction
 
-from placement import LAST, Track
+import short_pulses
+from placement import LAST
 
 START, END = ("start", 0), ("end", 0)
 
@@ -31,10 +32,16 @@ def first_edge(kind):
 
 def becomes(keys, placement):
     begin = placement.at(keys.get("from", START))
-    wanted = keys["wanted"]
-    entered = [time for time, before, after in placement.tracks[keys["signal"]].changes(begin, placement.at(END))
-               if wanted.has(after) and not wanted.has(before)]
-    return in_time(keys, placement, entered)
+
+    def holds(track):
+        return in_time(keys, placement, [time for time, before, after in track.changes(begin, placement.at(END)) if after and not before])
+    return short_pulses.agreed(holds(track) for track in tested(keys, placement, keys["wanted"].has))
+
+
+def tested(keys, placement, test):
+    """Whether the value meets a test, as a line, without what is too short; more than one where it is open what that is."""
+    return short_pulses.possible(short_pulses.levels(placement.tracks[keys["signal"]], test), keys.get("pulses-longer-than", 0),
+                                 placement.steps["end"][0])
 
 
 def merged(stretches):
@@ -49,16 +56,9 @@ def merged(stretches):
 
 
 def free_of(keys, placement, is_bad):
-    """No stretch of the window is bad, or none that is longer than `pulses-longer-than`."""
+    """No stretch of the window is bad."""
     (begin, _), (end, _) = window(keys, placement)
-    track = placement.tracks[keys["signal"]]
-    shortest = keys.get("pulses-longer-than", 0)
-    inside = merged((since, to) for since, to, value in track.stretches(begin, end) if is_bad(value))
-    whole = merged((since, to) for since, to, value in track.stretches(-LAST, LAST) if value is not None and is_bad(value))
-    clipped = not any(to - since > shortest for since, to in inside)
-    full = not any(to - since > shortest for since, to in whole if since < end and to > begin)
-    # Whether a pulse counts by its whole length or by the part in the window is not said.
-    return full if full == clipped else None
+    return short_pulses.agreed(not any(bad for _, _, bad in track.stretches(begin, end)) for track in tested(keys, placement, is_bad))
 
 
 def stays(keys, placement):
@@ -86,18 +86,9 @@ def not_together(keys, placement):
     whole = not any(to - since > shortest for since, to in together(begin, tracks))
     if not shortest:
         return whole
-    each = not together(begin, [long_pulses(track, shortest) for track in tracks])
+    each = short_pulses.over_lines(lambda keys, placement: not together(begin, [placement.tracks[name] for name in keys["signals"]]),
+                                   keys, placement, keys["signals"])
     return whole if whole == each else None
-
-
-def long_pulses(track, shortest):
-    """The line without the times for which it is TRUE no longer than this."""
-    kept = Track([])
-    for index, (at, value) in enumerate(zip(track.at, track.values)):
-        following = track.at[index + 1][0] if index + 1 < len(track.at) else LAST
-        kept.at.append(at)
-        kept.values.append(value is True and following - at[0] > shortest)
-    return kept
 
 
 def edges(keys, placement):
@@ -110,7 +101,10 @@ def settles(keys, placement):
     begin, end = window(keys, placement)
     band = keys["wanted"].limits
     track = placement.tracks[keys["signal"]]
-    settled = all(band.allow(value) for _, _, value in track.stretches(begin[0] + keys["settle"], end[0]))
+    settled = short_pulses.agreed(not any(bad for _, _, bad in line.stretches(begin[0] + keys["settle"], end[0]))
+                                  for line in tested(keys, placement, lambda value: not band.allow(value)))
+    if settled is None:
+        return None
     if "overshoot" not in keys:
         return settled
     middle = Fraction(band.low + band.high, 2)
