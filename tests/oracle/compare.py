@@ -245,8 +245,9 @@ def differences(claim, answer, found):
         result.append(("no verdict", "it has limits"))
     if verdict == "inconclusive" and len(seen | unseen) == 1 and None not in seen and not COARSE.keys() & set(claim.names):
         result.append(("weak", f"all placements answer {next(iter(seen))}"))
-    # Of a signal that is not known for a while a figure is stated as seen, with no verdict.
-    if answer.value and found.figures and not (found.unknown and verdict == "inconclusive"):
+    # Of a signal that is not known for a while, or of pulses whose width is open, a figure is stated as seen, with no verdict.
+    as_seen = verdict == "inconclusive" and (found.unknown or "pulses-longer-than" in claim.keys)
+    if answer.value and found.figures and not as_seen:
         result += of_figure(claim, answer, found)
     if answer.value and "limits" in claim.keys and verdict in ("pass", "fail"):
         result += of_stated(claim.keys["limits"], answer)

@@ -108,7 +108,12 @@ class Drawing:
                 not claim.keys.get("number"):
             length = self.unseen * self.rng.choice((1, 1, 2)) if self.unseen else self.rng.randrange(1, 8) * MS // 2
             claim.keys["pulses-longer-than"] = length
-            claim.written["pulses-longer-than"] = quoted(duration(length))
+            train = f"{claim.verb}-of"
+            if claim.group == "measure" and claim.verb in ("position", "profile"):
+                # Of a pulse train it stands among its keys.
+                claim.written[train] = claim.written[train][:-2] + f', pulses-longer-than = "{duration(length)}" }}'
+            else:
+                claim.written["pulses-longer-than"] = quoted(duration(length))
         return claim
 
     # Limits.
@@ -201,7 +206,9 @@ class Drawing:
         if found is None or found == MISSING:
             found = Fraction(self.rng.randrange(1, 50))
         found = Fraction(float(found)).limit_denominator(10 ** 12)
-        limits = self.around(found, spread, Fraction(1, 10 ** places), least)
+        # Of a large figure the first twelve digits are enough to ask for.
+        grid = max(Fraction(1, 10 ** places), Fraction(10) ** (len(str(abs(int(found)))) - 12))
+        limits = self.around(found, max(spread, grid), grid, least)
         keys["is"] = limits
         if self.rng.random() < 0.6:
             written["is"] = f'"{limits.written(text, unit)}"'
