@@ -19,7 +19,11 @@ class Measurements(Drawing):
             if figure is None or figure == MISSING or isinstance(figure, bool):
                 figure = Fraction(self.rng.randrange(1, 20))
             figure = figure if isinstance(figure, Fraction) else Fraction(float(figure)) if isinstance(figure, trains.Rooted) else Fraction(figure)
-            limits = self.around(figure, spread, Fraction(1, 10 ** places), least)
+            grid = Fraction(1, 10 ** places)
+            if verb in ("speed", "window") and abs(figure) > 10 ** 12:
+                # A large figure that is worked out is a float: twelve digits are enough to ask for.
+                grid = Fraction(10) ** (len(str(abs(int(figure)))) - 12)
+            limits = self.around(figure, max(spread, grid), grid, least)
             keys["limits"] = limits
             if limits.style == "tolerance" and limits.low is not None and limits.high is not None:
                 middle = (limits.low + limits.high) / 2

@@ -288,6 +288,8 @@ def toml(value, kind):
         return f'"{duration(int(value))}"'
     if kind == "bar":
         return f'"{text(value)} bar"'
+    if value < -(1 << 63):
+        return f'"{text(value)}"'
     if value.denominator == 1 and value >= 1 << 63:
         # TOML has no such integers: a larger one is written as a text.
         return f'"16#{int(value):X}"' if value % 2 and kind != "bar" else f'"{int(value)}"'
