@@ -100,8 +100,8 @@ impl FigureBand {
     /// Distance to the nearest limit in the worst case, negative outside; `None` where there is no limit, or the distance is not
     /// known.
     pub(super) fn margin(&self, (low, high): (f64, f64)) -> Option<f64> {
-        let above = (self.min > self.natural.0).then(|| low - self.min);
-        let below = (self.max < self.natural.1).then(|| self.max - high);
+        let above = (self.min > self.natural.0).then_some(low - self.min);
+        let below = (self.max < self.natural.1).then_some(self.max - high);
         above.into_iter().chain(below).reduce(f64::min).filter(|margin| margin.is_finite())
     }
 

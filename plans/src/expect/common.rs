@@ -215,8 +215,8 @@ pub(crate) fn delay_words(delay: (i64, i64), anchor: &Anchor) -> String {
 
 /// How far inside its limits a number of events is in the worst placement; as of a time, 0 is no least limit.
 pub(super) fn count_margin(seen: (u64, u64), limits: (u64, u64)) -> Option<f64> {
-    let above = (limits.0 > 0).then(|| seen.0 as f64 - limits.0 as f64);
-    let below = (limits.1 < u64::MAX).then(|| limits.1 as f64 - seen.1 as f64);
+    let above = (limits.0 > 0).then_some(seen.0 as f64 - limits.0 as f64);
+    let below = (limits.1 < u64::MAX).then_some(limits.1 as f64 - seen.1 as f64);
     above.into_iter().chain(below).reduce(f64::min)
 }
 
