@@ -69,8 +69,8 @@ type KeyMap<K, V> = HashMap<K, V, BuildHasherDefault<KeyHasher>>;
 
 /// How deep types may contain each other.
 const TYPE_DEPTH: u32 = 100;
-/// Initial images of types, blocks and frames together, as a multiple of the memory of all variables.
-const IMAGES: u64 = 2;
+/// Most bytes of the initial images of types, blocks and frames together: a type counts again in each that it is part of.
+const MOST_IMAGES: u64 = 128 << 20;
 
 /// What a name at the outside means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -365,15 +365,14 @@ impl Sema<'_> {
     /// each other while a program is compiled; reports the first that has none. Each of them alone may be as large as
     /// the memory of all variables.
     fn has_image_room(&mut self, bytes: u32, at: SourcePlace) -> bool {
-        let most = u64::from(self.options.limits.memory) * IMAGES;
-        if self.images > most {
+        if self.images > MOST_IMAGES {
             return false;
         }
         self.images = self.images.saturating_add(u64::from(bytes));
-        if self.images <= most {
+        if self.images <= MOST_IMAGES {
             return true;
         }
-        let message = format!("the types and blocks need more than {most} bytes together");
+        let message = format!("the types and blocks need more than {MOST_IMAGES} bytes together");
         self.findings.error(
             crate::codes::Code::DataSize,
             at,
