@@ -121,7 +121,10 @@ fn write_stream(path: &Path, mut bytes: &[u8]) -> std::io::Result<()> {
                 let mut waiting = [PollFd::new(&out, PollFlags::OUT)];
                 match poll(&mut waiting, Some(&patience)) {
                     Ok(0) => {
-                        return Err(std::io::Error::new(ErrorKind::TimedOut, "whoever reads it takes nothing"));
+                        return Err(std::io::Error::new(
+                            ErrorKind::TimedOut,
+                            "whoever reads it takes nothing",
+                        ));
                     }
                     Ok(_) | Err(Errno::INTR) => {}
                     Err(errno) => return Err(errno.into()),

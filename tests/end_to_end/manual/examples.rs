@@ -17,9 +17,6 @@ const NAMES: &str = r#"
 beat = { bus = "machine", id = 0x701, data = "05" }
 status = { bus = "machine", id = 0x100, mask = 0x700, from = "others" }
 engine = { bus = "drive", dbc = "machine.dbc", message = "Engine" }
-[group.press]
-args = { lasts = "1 s" }
-steps = [{ id = "down", at = "begin + 10 ms", pulse = { signal = "button", width = "$lasts" } }]
 [signals]
 button = "%IX0.0"
 second = "%IX0.1"
@@ -35,6 +32,13 @@ kept = "MAIN.kept"
 copy = "MAIN.copy"
 track_a = "A"
 track_b = "B"
+"#;
+
+/// The group that some lists run.
+const GROUP: &str = r#"
+[group.press]
+args = { lasts = "1 s" }
+steps = [{ id = "down", at = "begin + 10 ms", pulse = { signal = "button", width = "$lasts" } }]
 "#;
 
 /// Names of steps alone: the columns of a table.
@@ -82,15 +86,17 @@ fn file(block: &Block) -> (&'static str, String) {
             if part { LAMP_ST.replace("END_PROGRAM", &format!("{text}END_PROGRAM")) } else { text.clone() };
         return ("example.st", text);
     }
+    // A group that no step runs is refused.
+    let group = if text.contains("group = \"press\"") { GROUP } else { "" };
     let text = match text.get(..1) {
         // A whole file begins with its format; of a board file a table may stand alone.
         Some("f") => text.clone(),
         Some("[") => format!("format = 1\n[board]\nkind = \"simulated\"\n{text}"),
         _ if text.starts_with("{ id") => {
             let claims = "expect = [{ state = { becomes = \"RUNNING\" } }]";
-            format!("{KEYS}steps = [\n{text}]\n{claims}\n{NAMES}{COLUMNS}")
+            format!("{KEYS}steps = [\n{text}]\n{claims}\n{group}{NAMES}{COLUMNS}")
         }
-        _ => format!("{KEYS}steps = [{STEPS}]\nexpect = [\n{text}]\n{NAMES}"),
+        _ => format!("{KEYS}steps = [{STEPS}]\nexpect = [\n{text}]\n{group}{NAMES}"),
     };
     (if is_suite(&text) { "suite.toml" } else { "example.toml" }, text)
 }
