@@ -224,7 +224,10 @@ fn keep_fault(written: std::io::Result<()>) {
 /// How the command ends: with an error of its own where standard output did not take all that was printed, whatever it
 /// came to otherwise.
 pub fn finish(exit: ExitStatus) -> ExitStatus {
-    keep_fault(std::io::stdout().flush());
+    // Where nothing waits for a reader, a thread may be at standard output for ever.
+    if QUEUES.get().is_none() {
+        keep_fault(io::stdout().flush());
+    }
     let Some(why) = LOST.get() else { return exit };
     let found = Diagnostic::error("R0232", format!("standard output cannot be written: {why}"));
     findings(&[found.help("make room, or write it elsewhere: what was printed is not whole")], &[]);
