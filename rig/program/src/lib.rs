@@ -5,7 +5,7 @@
 //!
 //! ```
 //! # use scanrig_program as program;
-//! use program::{Host, Machine, Options, Stop, compile};
+//! use program::{Host, Machine, Options, StopReason, compile};
 //! use signal::{Address, Span, Time, Value};
 //!
 //! struct NoMemory;
@@ -24,7 +24,7 @@
 //! machine.begin(0);
 //! let slice = machine.resume(0, Time::ZERO, Span::from_micros(1), &mut NoMemory);
 //! // A load, an addition and a store of INT.
-//! assert_eq!((slice.used, slice.stop), (Span::from_nanos(32 + 42 + 32), Stop::Done));
+//! assert_eq!((slice.used, slice.stop), (Span::from_nanos(32 + 42 + 32), StopReason::Done));
 //! assert_eq!(machine.read(machine.find("MAIN.n").unwrap()), Value::Int(1));
 //! ```
 //!

@@ -152,23 +152,28 @@ fn loops_leave_and_go_on() {
 }
 
 #[test]
-fn counted_loops_end_at_the_limits_of_their_type() {
+fn counted_loops_end_beside_the_limits_of_their_type() {
     let rig = once(
         "VAR u : USINT; s : SINT; d : USINT; a, b, c, e, n : INT; END_VAR",
-        "FOR u := 250 TO 255 DO a := a + 1; END_FOR;
-         FOR s := 127 TO -128 BY -100 DO b := b + 1; END_FOR;
-         FOR d := 3 TO 0 BY -1 DO c := c + 1; END_FOR;
+        "FOR u := 250 TO 254 DO a := a + 1; END_FOR;
+         FOR s := 127 TO -28 BY -100 DO b := b + 1; END_FOR;
+         FOR d := 3 TO 1 BY -1 DO c := c + 1; END_FOR;
          FOR n := 5 TO 1 DO e := e + 1; END_FOR;
          FOR n := 1 TO 10 BY a DO e := e + 1; END_FOR;",
     );
-    assert_eq!((rig.int("a"), rig.int("b"), rig.int("c"), rig.int("e")), (6, 3, 4, 2));
-    assert_eq!((rig.int("u"), rig.int("n")), (255, 13));
+    assert_eq!((rig.int("a"), rig.int("b"), rig.int("c"), rig.int("e")), (5, 2, 3, 2));
+    assert_eq!((rig.int("u"), rig.int("s"), rig.int("d"), rig.int("n")), (255, -73, 0, 11));
 }
 
 #[test]
-fn bounds_of_a_loop_are_computed_once() {
+fn the_end_of_a_loop_is_computed_before_each_turn_and_its_step_once() {
     let rig =
         once("VAR i, n, m : INT := 3; END_VAR", "m := 0; FOR i := 1 TO n DO n := 100; m := m + 1; END_FOR;");
+    assert_eq!(rig.int("m"), 100);
+    let rig = once(
+        "VAR i, n, m : INT := 3; END_VAR",
+        "m := 0; FOR i := 1 TO 7 BY n DO n := 100; m := m + 1; END_FOR;",
+    );
     assert_eq!(rig.int("m"), 3);
 }
 

@@ -255,7 +255,8 @@ impl Maker {
                     let end = if self.random.below(2) == 0 { E::Literal(V::N(3)) } else { small(self) };
                     S::For(ty, name, 0, end, 1, body)
                 } else {
-                    S::For(ty, name, 7, E::Literal(V::N(1)), -2, body)
+                    // An unsigned counter has a number below this end, too: else the loop never ends.
+                    S::For(ty, name, 7, E::Literal(V::N(2)), -2, body)
                 }
             }
             n => {
