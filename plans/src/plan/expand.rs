@@ -328,6 +328,7 @@ impl<'d> Expander<'d, '_> {
 }
 
 /// How many values an entry has for itself: those of the plan's text it only points at.
+#[expect(clippy::ptr_arg, reason = "whether it is borrowed is what is asked")]
 fn own_values(node: &Cow<'_, Node>) -> u64 {
     match node {
         Cow::Borrowed(_) => 0,

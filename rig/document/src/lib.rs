@@ -5,7 +5,7 @@
 //! list of [`KeySpec`]s and gives typed access, [`Findings`] collects what is wrong, [`render`] shows it.
 //!
 //! Goals: several findings in one run, every finding with the exact place and the fix, bounded memory for any
-//! input; no file of the user is read without a limit ([`file`]). Not goals: writing files.
+//! input; no file of the user is read without a limit ([`mod@file`]). Not goals: writing files.
 
 mod diagnostic;
 mod fields;

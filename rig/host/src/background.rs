@@ -4,7 +4,7 @@
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError, TryRecvError};
+use std::sync::mpsc::{self, Receiver, TryRecvError};
 use std::time::{Duration, Instant};
 
 /// Reports to the work whether anybody still waits for it.
@@ -70,10 +70,7 @@ impl<T: Send + 'static> BackgroundTask<T> {
     /// Waits for the result until its time is over; `None` where there is none by then.
     pub fn wait(self) -> Option<T> {
         let left = self.until.saturating_duration_since(Instant::now());
-        match self.result.recv_timeout(left) {
-            Ok(result) => Some(result),
-            Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => None,
-        }
+        self.result.recv_timeout(left).ok()
     }
 }
 

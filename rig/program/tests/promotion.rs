@@ -91,10 +91,10 @@ fn every_operator_where_its_high_bits_are_seen() {
         let mut cases = Vec::new();
         for a in edges(ty) {
             for b in edges(ty) {
-                for which in 0..OPERATORS.len() {
+                for (which, operator) in OPERATORS.iter().enumerate() {
                     let Some(n) = value(ty, which, a, b) else { continue };
                     for (place, result, of) in PLACES {
-                        let text = place.replace("$x", OPERATORS[which].0);
+                        let text = place.replace("$x", operator.0);
                         let expected = match place {
                             "$x = $a" => i128::from(n == a),
                             _ => of(ty, n),

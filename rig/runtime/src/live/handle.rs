@@ -188,7 +188,7 @@ impl LiveRig {
         for (ticket, answer) in self.readings.ended() {
             let answer = match answer {
                 Ok(PlansRead::Chosen(chosen)) => {
-                    self.orders.slot.put(chosen);
+                    self.orders.slot.put(*chosen);
                     self.waiting.push_back(ScanRequest::Command(ticket, ScanCommand::Plan));
                     continue;
                 }

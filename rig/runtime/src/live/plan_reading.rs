@@ -30,7 +30,7 @@ pub enum PlansRead {
     /// Names of cases or plans.
     Listed(Vec<String>),
     /// Cases that can be run.
-    Chosen(ChosenCases),
+    Chosen(Box<ChosenCases>),
 }
 
 /// A result, or why there is none.
@@ -78,7 +78,9 @@ impl PlanReadings {
                 PlanRequest::List(path) => {
                     bench.list(path.as_deref(), &|| !abandoned.is_set()).map(PlansRead::Listed)
                 }
-                PlanRequest::Choose(name) => bench.choose(&name).map(PlansRead::Chosen),
+                PlanRequest::Choose(name) => {
+                    bench.choose(&name).map(|chosen| PlansRead::Chosen(Box::new(chosen)))
+                }
             }
         });
         let task = task.map_err(|error: io::Error| fault::plan(&error.to_string()))?;
