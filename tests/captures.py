@@ -29,7 +29,7 @@ title = "The lamp lights half a second after the button"
 program = "lamp.st"
 signals = {{ button = "%IX0.0", lamp = "%QX0.4" }}
 steps = [{{ id = "press", at = "start + 1 s", set = {{ signal = "button", value = true }} }}]
-expect = [{{ rises = {{ signal = "lamp", from = "press", within = "{within}" }} }}]
+expect = [{{ rises = {{ signal = "lamp", from = "press", within = "{within}", pulses-longer-than = "20 ms" }} }}]
 """
 # What the plan allows, and what a lamp that lights 520.035 ms after the button comes to. A sampled edge of the last
 # plan may lie on either side of its limit.

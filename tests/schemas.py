@@ -38,8 +38,8 @@ FORM = {
     "B0006": "wrong type",
 }
 
-# What JSON cannot say: it has no NaN, and 100.0 is a whole number to it.
-BEYOND_JSON = {"float-count", "nan"}
+# What JSON cannot say: it has no NaN, and 100.0 is a whole number to it; and what stands in files that are included.
+BEYOND_JSON = {"float-count", "included-unread", "nan"}
 
 
 def is_plan(document):
