@@ -259,8 +259,8 @@ impl Controller {
 
     /// What the application of a bundle is taken with a warning for; nothing where it is not valid.
     pub fn application_warning(&mut self, bundle: &[u8]) -> Option<Warning> {
-        // One task shares no output.
-        if self.config.tasks.len() < 2 {
+        // One task shares no output, and the later profiles refuse it.
+        if self.config.tasks.len() < 2 || self.config.profile != profile::Profile::M241_2014 {
             return None;
         }
         let application = self.build(bundle).ok()?;
