@@ -240,7 +240,12 @@ impl<'a> Executor<'a> {
             ended: None,
             board_reached: Time::MIN,
             safe: false,
-            report: ExecutorReport { log: Vec::with_capacity(64), frames, ..ExecutorReport::default() },
+            report: ExecutorReport {
+                log: Vec::with_capacity(64),
+                exceptions: Vec::with_capacity(2),
+                frames,
+                ..ExecutorReport::default()
+            },
             exceptions: ExceptionWatch::default(),
             stepping: None,
             live: None,
