@@ -111,9 +111,7 @@ pub fn beside(file: &str, path: &str) -> String {
 /// # Errors
 /// A finding with the path and the reason.
 pub fn load(files: &dyn FileSource, path: &str) -> Result<SourceFile, Diagnostic> {
-    let text = files
-        .read(path)
-        .map_err(|why| Diagnostic::error(codes::FILE_NOT_READ, format!("`{path}` cannot be read: {why}")))?;
+    let text = files.read(path).map_err(|why| unread(files, path, &why))?;
     Ok(SourceFile::new(path, text))
 }
 
@@ -122,14 +120,23 @@ pub fn load(files: &dyn FileSource, path: &str) -> Result<SourceFile, Diagnostic
 /// # Errors
 /// A finding with the path and the reason.
 pub fn load_program(files: &dyn FileSource, path: &str) -> Result<SourceFile, Diagnostic> {
-    let bytes = files
-        .bytes(path)
-        .map_err(|why| Diagnostic::error(codes::FILE_NOT_READ, format!("`{path}` cannot be read: {why}")))?;
+    let bytes = files.bytes(path).map_err(|why| unread(files, path, &why))?;
     program::source(path, &bytes)
 }
 
 /// Most folders above a plan: deeper than any project.
 const MOST_FOLDERS: usize = 64;
+
+/// A file that cannot be read, with the name beside it that was meant.
+fn unread(files: &dyn FileSource, path: &str, why: &str) -> Diagnostic {
+    let name = path.rsplit('/').next().unwrap_or(path);
+    let beside = files.names(&folder_of(path));
+    let help = match document::suggest(name, beside.iter().map(String::as_str)) {
+        Some(near) if near != name => format!("did you mean `{near}`?"),
+        _ => String::from("give the path of a file that can be read"),
+    };
+    Diagnostic::error(codes::FILE_NOT_READ, format!("`{path}` cannot be read: {why}")).help(help)
+}
 
 /// The folder of a path as it is written; empty for where it is written from.
 fn folder_of(path: &str) -> String {
