@@ -140,3 +140,21 @@ fn a_measurement_of_hours_shows_what_it_has() {
     interrupt(&child, Signal::SIGINT);
     assert_eq!(end(child), Some(130));
 }
+
+#[test]
+fn a_run_whose_words_nobody_reads_ends_all_the_same() {
+    let bench = TestProject::new();
+    // Two thousand lines of two hundred characters are more than a pipe and the rig's own room take.
+    let long = format!("{}.toml", "l".repeat(200));
+    bench.write(
+        &long,
+        "format = 1\ntitle = \"Quick\"\nprogram = \"lamp.st\"\nends = \"start + 10 ms\"\nsignals = { lamp = \"%QX0.4\" }\n\
+         expect = [{ stays = { signal = \"lamp\", is = false, from = \"start\", until = \"end\" } }]\n",
+    );
+    for format in ["text", "json"] {
+        let child = start(bench.command(&["test", &long, "--repeat", "2000", "--format", format]));
+        wait_for_handler(&child, Signal::SIGINT);
+        interrupt(&child, Signal::SIGINT);
+        assert_eq!(end(child), Some(130));
+    }
+}

@@ -22,6 +22,7 @@ mod line_queue;
 mod new;
 mod operator;
 mod output;
+mod output_thread;
 mod plan_files;
 mod plans;
 mod program;

@@ -3,6 +3,7 @@
 use crate::code_pages;
 use crate::exit::ExitStatus;
 use crate::line_queue::LineQueue;
+use crate::output_thread::{OutputThread, Stream};
 use clap::ValueEnum;
 use control::RequestFault;
 use document::{Diagnostic, SourceFile};
@@ -10,6 +11,7 @@ use std::backtrace::{Backtrace, BacktraceStatus};
 use std::borrow::Cow;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::OnceLock;
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 /// Whether to colour text.
@@ -109,6 +111,38 @@ pub fn never_wait() -> io::Result<()> {
     Ok(())
 }
 
+/// The thread of a command that prints everything, but whose reader is not to keep it from an interrupt.
+static THREAD: OnceLock<OutputThread> = OnceLock::new();
+
+/// From now on a reader of what is printed is waited for until an interrupt, and no longer. A terminal is written to at
+/// once: an interrupt that is typed there empties it.
+///
+/// # Errors
+/// The machine has no room for a thread.
+pub fn wait_until(interrupt: &'static AtomicBool) -> io::Result<()> {
+    let thread = OutputThread::start(interrupt, |stream, text| match stream {
+        Stream::Output => {
+            let mut out = io::stdout();
+            keep_fault(out.write_all(text).and_then(|()| out.flush()));
+        }
+        // Nothing can be reported of what standard error does not take.
+        Stream::Errors => drop(io::stderr().write_all(text)),
+    })?;
+    // There is one command, and it asks once.
+    let _ = THREAD.set(thread);
+    Ok(())
+}
+
+/// The thread for a stream that is no terminal.
+fn thread_of(stream: Stream) -> Option<&'static OutputThread> {
+    let thread = THREAD.get()?;
+    let terminal = match stream {
+        Stream::Output => io::stdout().is_terminal(),
+        Stream::Errors => io::stderr().is_terminal(),
+    };
+    (!terminal).then_some(thread)
+}
+
 /// Waits until what was printed is read, where [`never_wait`] was called: for a second at most.
 pub fn settle() {
     for queue in QUEUES.get().into_iter().flatten() {
@@ -129,13 +163,12 @@ pub struct ErrorStream;
 
 impl Write for ErrorStream {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        match QUEUES.get() {
-            Some([_, errors]) => {
-                errors.put(bytes);
-                Ok(bytes.len())
-            }
-            None => io::stderr().write(bytes),
+        match (QUEUES.get(), thread_of(Stream::Errors)) {
+            (Some([_, errors]), _) => errors.put(bytes),
+            (None, Some(thread)) => thread.put(Stream::Errors, bytes),
+            (None, None) => return io::stderr().write(bytes),
         }
+        Ok(bytes.len())
     }
 
     fn flush(&mut self) -> io::Result<()> {
@@ -194,9 +227,10 @@ pub fn info(text: &str) {
 /// Prints on standard output; a closed pipe is no fault. What cannot be written otherwise [`finish`] reports.
 pub fn print(text: &str) {
     let text = harmless(text);
-    match QUEUES.get() {
-        Some([output, _]) => output.put(text.as_bytes()),
-        None => keep_fault(io::stdout().write_all(text.as_bytes())),
+    match (QUEUES.get(), thread_of(Stream::Output)) {
+        (Some([output, _]), _) => output.put(text.as_bytes()),
+        (None, Some(thread)) => thread.put(Stream::Output, text.as_bytes()),
+        (None, None) => keep_fault(io::stdout().write_all(text.as_bytes())),
     }
 }
 
@@ -224,13 +258,18 @@ fn keep_fault(written: std::io::Result<()>) {
 /// How the command ends: with an error of its own where standard output did not take all that was printed, whatever it
 /// came to otherwise.
 pub fn finish(exit: ExitStatus) -> ExitStatus {
-    // Where nothing waits for a reader, a thread may be at standard output for ever.
-    if QUEUES.get().is_none() {
-        keep_fault(io::stdout().flush());
+    match THREAD.get() {
+        Some(thread) => thread.settle(),
+        // Where nothing waits for a reader, a thread may be at standard output for ever.
+        None if QUEUES.get().is_some() => {}
+        None => keep_fault(io::stdout().flush()),
     }
     let Some(why) = LOST.get() else { return exit };
     let found = Diagnostic::error("R0232", format!("standard output cannot be written: {why}"));
     findings(&[found.help("make room, or write it elsewhere: what was printed is not whole")], &[]);
+    if let Some(thread) = THREAD.get() {
+        thread.settle();
+    }
     match exit {
         ExitStatus::Interrupted => exit,
         _ => ExitStatus::Error,

@@ -50,6 +50,10 @@ fn try_run(args: &TestArgs) -> Result<ExitStatus, ExitStatus> {
         output::error(&format!("interrupts cannot be caught: {error}"));
         return Err(ExitStatus::Error);
     }
+    if let Err(error) = output::wait_until(&INTERRUPT) {
+        output::error(&format!("no thread can be started for what is printed: {error}"));
+        return Err(ExitStatus::Error);
+    }
     let mut display = args.display.clone();
     if jobs.iter().any(|job| job.asks) {
         // A bar and a question would write over each other.
