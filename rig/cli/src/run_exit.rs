@@ -17,10 +17,18 @@ pub fn of(run: &RunRecord) -> ExitStatus {
         );
         return ExitStatus::Passed;
     }
-    let message = match totals.not_applicable {
+    let why = "`--status-level all` prints why each does not apply; select other cases, or name a board that has what they need";
+    none_judged(totals.not_applicable, why)
+}
+
+/// The exit of cases that all do not apply, which is printed with what to do.
+pub fn none_judged(cases: u64, help: &str) -> ExitStatus {
+    let message = match cases {
         1 => String::from("no case was judged: the only one does not apply here"),
         count => format!("no case was judged: none of {count} applies here"),
     };
-    let help = "`--status-level all` prints why each does not apply; select other cases, or name a board that has what they need";
     output::refuse("R0231", message, help)
 }
+
+/// What to do where the reasons are printed already.
+pub const REASONS_ARE_PRINTED: &str = "choose another case, or a board that has what this one needs";

@@ -4,6 +4,7 @@ use super::show::{print_text, seconds};
 use super::{CtlError, commands, interrupt};
 use crate::exit::ExitStatus;
 use crate::output;
+use crate::run_exit;
 use clap::Args;
 use control::{
     ClientError, ControlClient, Done, Measured, PlanEvent, Plans, RequestOperation, Subscribed,
@@ -57,6 +58,7 @@ pub fn run(client: &mut ControlClient, args: &PlanArgs) -> Result<ExitStatus, Ct
     // When the end of a plan that was aborted is overdue.
     let mut due: Option<Instant> = None;
     let mut text_of_plan = RunningPlanText::default();
+    let (mut cases, mut judged) = (0, false);
     loop {
         if interrupted() && due.is_none() {
             due = Some(Instant::now() + PATIENCE);
@@ -73,8 +75,17 @@ pub fn run(client: &mut ControlClient, args: &PlanArgs) -> Result<ExitStatus, Ct
                 } else {
                     text_of_plan.shown(&event)
                 });
-                if let PlanEvent::Over { verdict, .. } = event {
-                    return Ok(if due.is_some() { ExitStatus::Interrupted } else { exit_of(&verdict) });
+                match event {
+                    PlanEvent::Verdict { verdict, .. } => {
+                        cases += 1;
+                        judged |= verdict_of(&verdict).is_some();
+                    }
+                    PlanEvent::Over { .. } if due.is_some() => return Ok(ExitStatus::Interrupted),
+                    PlanEvent::Over { .. } if !judged && cases > 0 => {
+                        return Ok(run_exit::none_judged(cases, run_exit::REASONS_ARE_PRINTED));
+                    }
+                    PlanEvent::Over { verdict, .. } => return Ok(exit_of(&verdict)),
+                    _ => {}
                 }
             }
             Some(SubscriptionEvent::Missed { lines, .. }) => {
@@ -87,8 +98,13 @@ pub fn run(client: &mut ControlClient, args: &PlanArgs) -> Result<ExitStatus, Ct
 
 /// The exit of a verdict, as `rig test` has it; a word that is not known is no pass.
 fn exit_of(verdict: &str) -> ExitStatus {
+    verdict_of(verdict).map_or(ExitStatus::Error, ExitStatus::of)
+}
+
+/// The verdict of a word; a case that does not apply, or was skipped, has none.
+fn verdict_of(word: &str) -> Option<Verdict> {
     let all = [Verdict::None, Verdict::Pass, Verdict::Inconclusive, Verdict::Fail, Verdict::Error];
-    all.into_iter().find(|known| known.word() == verdict).map_or(ExitStatus::Error, ExitStatus::of)
+    all.into_iter().find(|known| known.word() == word)
 }
 
 /// What is known of the case that runs.

@@ -5,6 +5,7 @@ mod shell;
 use crate::exit::ExitStatus;
 use crate::output;
 use crate::plan_files::load::{LoadRequest, load};
+use crate::run_exit;
 use crate::selection::{CaseFacts, Selection};
 use clap::Args;
 use document::Diagnostic;
@@ -75,6 +76,9 @@ fn try_run(args: &StepArgs) -> Result<ExitStatus, ExitStatus> {
     let style = Style { color: output::color_out(), quiet: false };
     let (line, details) = (case_line(&result.record, style), details(&result.record, style));
     output::print(&format!("{}\n{details}  trace  {}\n", line.trim_end(), result.record.trace_sha256));
+    if !result.record.is_judged() {
+        return Ok(run_exit::none_judged(1, run_exit::REASONS_ARE_PRINTED));
+    }
     Ok(ExitStatus::of(result.record.verdict))
 }
 
