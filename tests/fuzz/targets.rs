@@ -31,7 +31,10 @@ use signal::{
     Trace, Value, ValueKind, When,
 };
 
-pub use lines_of_clients::control;
+/// Lines of clients, and what comes back.
+pub fn control(data: &[u8]) {
+    lines_of_clients::control(data);
+}
 
 const PROGRAM: &str = "PROGRAM MAIN VAR button AT %IX0.0 : BOOL; lamp AT %QX0.4 : BOOL; n : INT; d : TON; END_VAR \
                        d(IN := button, PT := T#500ms); lamp := d.Q; n := n + 1; END_PROGRAM";

@@ -70,7 +70,7 @@ impl Hub {
     pub fn new(rig: Box<dyn Rig>, settings: SocketSettings, write: Box<dyn FnMut(&str)>) -> Hub {
         let mut description = rig.describe();
         description.on_disconnect = settings.on_disconnect.name().into();
-        Hub {
+        let mut hub = Hub {
             lock: Lock::read(settings.state.as_deref(), &settings.socket),
             rig,
             settings,
@@ -89,7 +89,12 @@ impl Hub {
             events: Vec::new(),
             touched: BTreeSet::new(),
             over: false,
+        };
+        // A lock that outlasted the rig before, or whose file cannot be read: else the first client that is refused says so.
+        if let Err(locked) = hub.lock.check() {
+            (hub.write)(&locked.message);
         }
+        hub
     }
 
     /// Somebody connects.
