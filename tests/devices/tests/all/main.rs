@@ -2,6 +2,7 @@
 //! They are one program, because each would hold the whole rig.
 
 mod adc;
+mod attacks;
 mod bench;
 mod board;
 mod can;
