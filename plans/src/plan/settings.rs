@@ -97,6 +97,11 @@ pub(super) const SETTINGS_KEYS: &[KeySpec] = &[
         KeyType::Bool,
         "Whether outputs are written where the next bus cycle reads its inputs.",
     ),
+    KeySpec::optional(
+        "can-sync",
+        KeyType::Bool,
+        "Whether the CANopen manager produces or consumes SYNC; FALSE if left out.",
+    ),
     KeySpec::optional("login", KeyType::Bool, "Whether a programming tool is connected; TRUE if left out."),
     KeySpec::optional(
         "watchdog-basis",
@@ -243,6 +248,8 @@ pub struct PlanSettings {
     pub rearming: Option<Rearming>,
     /// Whether outputs are written where the next bus cycle reads its inputs.
     pub minimize_jitter: Option<bool>,
+    /// Whether the CANopen manager produces or consumes SYNC.
+    pub can_sync: Option<bool>,
     /// Whether a programming tool is connected.
     pub login: Option<bool>,
     /// What the time of a task's watchdog measures.
@@ -316,6 +323,7 @@ pub(super) fn read(fields: &Fields<'_>, out: &mut Findings) -> PlanSettings {
             _ => Rearming::Manual,
         }),
         minimize_jitter: fields.boolean("minimize-jitter"),
+        can_sync: fields.boolean("can-sync"),
         login: fields.boolean("login"),
         watchdog_basis: fields.text("watchdog-basis").map(|basis| match basis {
             "processor" => WatchdogBasis::Processor,

@@ -48,7 +48,8 @@ impl ExternalEventSource {
     }
 
     /// Whether this controller has the event: an M241 those of the inputs I0...I7, in 2014 of I8...I11 too, and those
-    /// of its counters; a controller with CANopen SYNC (controller:TASK-41, controller:TASK-45, io:EVT-03).
+    /// of its counters; a controller with a CAN port SYNC (controller:TASK-41, controller:TASK-45, io:EVT-03). Whether
+    /// anything is configured to raise it is another question, see [`crate::ConfigError::NoEvent`].
     pub fn exists(self, profile: Profile, reference: &Reference) -> bool {
         let inputs = if profile == Profile::M241_2014 { 12 } else { 8 };
         match self {

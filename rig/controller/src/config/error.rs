@@ -45,8 +45,9 @@ pub enum ConfigError {
         /// Its event.
         event: ExternalEventSource,
     },
-    /// The input that starts an external event task raises no event (controller:TASK-45).
-    #[error("task {task} is started by {event}, an input without an event")]
+    /// What would raise the event of an external event task is not configured to: an input (controller:TASK-45), or the
+    /// CANopen manager (controller:TASK-42).
+    #[error("task {task} is started by {event}, an event that nothing is configured to raise")]
     NoEvent {
         /// Place of the task.
         task: usize,
@@ -139,4 +140,7 @@ pub enum ConfigError {
     /// An option of embedded outputs for a reference without them (controller:PRIO-08, io:OUT-08).
     #[error("the reference has no embedded outputs to rearm or to write with less jitter")]
     NoOutputs,
+    /// SYNC of a CANopen manager on a reference without a CAN port (controller:HW-02, controller:HW-04).
+    #[error("the reference has no CAN port: no CANopen manager of it produces or consumes SYNC")]
+    NoCan,
 }

@@ -1,17 +1,18 @@
-//! Which events inputs are configured to raise.
+//! Which events the controller is configured to raise.
 
 use super::{Config, TaskKind};
 use crate::event_source::ExternalEventSource;
 use profile::ChannelSet;
 
 impl Config {
-    /// Whether the input of an event is configured to raise it, on a controller that has the event. An advanced input
-    /// of 2014 beyond the fast ones needs no configuration (io:EVT-03).
+    /// Whether the input of an event, or the CANopen manager, is configured to raise it, on a controller that has the
+    /// event. An advanced input of 2014 beyond the fast ones needs no configuration (io:EVT-03).
     pub(crate) fn raises(&self, source: ExternalEventSource) -> bool {
         match source {
             ExternalEventSource::Input(input) if input < self.reference.fast_inputs => {
                 self.inputs.get(input).is_some_and(|input| input.event.is_some())
             }
+            ExternalEventSource::CanSync => self.can_sync,
             _ => true,
         }
     }

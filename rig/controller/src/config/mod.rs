@@ -46,6 +46,8 @@ pub struct Config {
     pub rearming: Rearming,
     /// Outputs are written where the next cycle of the bus cycle task reads its inputs (controller:PRIO-08).
     pub minimize_jitter: bool,
+    /// The CANopen manager produces or consumes SYNC: CAN Sync can start a task (controller:TASK-42).
+    pub can_sync: bool,
     /// A programming tool is connected when the power comes on (controller:FRC-01).
     pub tool_connected: bool,
     /// Starting mode (controller:DEV-10).
@@ -81,6 +83,7 @@ impl Config {
             alarm_output: None,
             rearming: Rearming::default(),
             minimize_jitter: false,
+            can_sync: false,
             tool_connected: true,
             starting_mode: StartingMode::default(),
             watchdog_basis: WatchdogBasis::default(),
@@ -203,6 +206,9 @@ impl Config {
         if outputs == 0 && (self.minimize_jitter || self.rearming == Rearming::Manual) {
             return Err(ConfigError::NoOutputs);
         }
+        if self.can_sync && !self.reference.has_can() {
+            return Err(ConfigError::NoCan);
+        }
         Ok(())
     }
 
@@ -251,6 +257,7 @@ impl Config {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::event_source::ExternalEventSource;
 
     fn with(change: impl FnOnce(&mut Config)) -> Result<(), ConfigError> {
         let mut config = Config::new(Profile::default());
@@ -294,6 +301,25 @@ mod tests {
             with(|c| c.inputs = vec![InputConfig::default(); 15]),
             Err(ConfigError::Inputs { found: 15, inputs: 14 })
         );
+    }
+
+    // controller:TASK-42
+    #[test]
+    fn can_sync_starts_a_task_where_the_manager_has_it() {
+        let sync = |can_sync| {
+            with(|c| {
+                let kind = TaskKind::ExternalEvent { source: ExternalEventSource::CanSync };
+                c.tasks.push(TaskConfig { kind, ..cyclic("SYNC", 1) });
+                c.can_sync = can_sync;
+            })
+        };
+        assert_eq!(sync(true), Ok(()));
+        assert_eq!(sync(false), Err(ConfigError::NoEvent { task: 1, event: ExternalEventSource::CanSync }));
+        let mese = |c: &mut Config| {
+            *c = Config::new(Profile::M251_2024);
+            (c.reference, c.can_sync) = (Reference::find("TM251MESE").unwrap(), true);
+        };
+        assert_eq!(with(mese), Err(ConfigError::NoCan));
     }
 
     // controller:RS-03, controller:RS-05

@@ -173,6 +173,11 @@ impl Tasks {
                     name(task)
                 )
             }
+            ConfigError::NoEvent { task, event: source @ ExternalEventSource::CanSync } => format!(
+                "the task `{}` is started by {source}, which nothing raises: the CANopen manager has to produce or consume \
+                 SYNC, `can-sync = true`",
+                name(task)
+            ),
             ConfigError::NoEvent { task, event: source } => format!(
                 "the task `{}` is started by {source}, which raises no event: give the input an `event`",
                 name(task)

@@ -96,6 +96,7 @@ fn settings(case: &Case) -> String {
     );
     line("update-io-in-stop", given.update_io_in_stop.map(|on| on.to_string()));
     line("minimize-jitter", given.minimize_jitter.map(|on| on.to_string()));
+    line("can-sync", given.can_sync.map(|on| on.to_string()));
     line("filter", given.filter.map(|filter| format!("\"{}\"", filter.span())));
     line("run-stop-input", given.run_stop_input.as_ref().map(|(address, _)| format!("\"{address}\"")));
     line("alarm-output", given.alarm_output.map(|address| format!("\"{address}\"")));
