@@ -125,7 +125,8 @@ impl Controller {
     /// Outputs after a boot, a download or a reset (controller:OUT-05, controller:OUT-06): software initialization
     /// values where a variable defines one, else default values; in 2014 the default values wherever it stays STOPPED.
     /// Before them a download shows hardware initialization values for a while, and the controller of 2014 shows the
-    /// initial values of the image.
+    /// initial values of the image. Outputs of expert functions are as others then, but for a download, which shows their
+    /// defaults at once (controller:RW-01, io:OUT-28, io:OUT-25).
     pub(super) fn initial_outputs(
         &mut self,
         beginning: ApplicationStart,
@@ -148,11 +149,14 @@ impl Controller {
         let first = if old { state == State::Stopped } else { beginning == ApplicationStart::Download };
         self.io.begin_initialization(now.saturating_add(OUTPUT_INITIALIZATION), defaults);
         match (first, old) {
-            (false, _) => self.end_initialization(now, fx),
+            (false, _) => return self.end_initialization(now, fx),
             (true, true) => self.exchange_outputs(None, now, fx),
             (true, false) => self.initialize_outputs(now),
         }
-        self.io.rest_at_defaults(now);
+        match beginning {
+            ApplicationStart::Download => self.io.rest_at_defaults(now),
+            ApplicationStart::Boot | ApplicationStart::Reset => self.io.rest_at_initial_values(now),
+        }
     }
 
     /// Initialization values are over: outputs without a value of their own take their defaults.
@@ -166,6 +170,7 @@ impl Controller {
             self.io.act_forcing(None);
         }
         self.exchange_outputs(None, now, fx);
+        self.io.rest_at_defaults(now);
     }
 
     /// Enters RUNNING: the tasks start again (controller:TR-06, controller:TR-08).

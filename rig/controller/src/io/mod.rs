@@ -467,6 +467,13 @@ impl EmbeddedIo {
         self.outputs.command(now, self.functions.rest, self.functions.outputs());
     }
 
+    /// Outputs of functions rest at their initialization values from `now` on: at 0, for no variable of the program
+    /// reaches them (io:OUT-18).
+    pub(crate) fn rest_at_initial_values(&mut self, now: Time) {
+        self.functions.rest = ChannelSet::EMPTY;
+        self.outputs.command(now, ChannelSet::EMPTY, self.functions.outputs());
+    }
+
     /// A cold reset or a download (io:STD-HSC-15).
     pub(crate) fn reset_functions(&mut self, now: Time) {
         self.functions.reset(now);
