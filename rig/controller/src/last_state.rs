@@ -1,29 +1,56 @@
-//! What the controller knows of its past after a power cycle: its state, and when it stopped and went off.
+//! What the controller knows of its past after a power cycle: its state, why it left RUNNING, when it stopped and went off.
 
 use crate::{DATES_FILE, NonVolatile, STATE_FILE, State};
+use profile::StopCause;
 
-const MAGIC: &[u8; 4] = b"SRST";
+const MAGIC: &[u8; 4] = b"SRS2";
+/// Magic, state, signature, cause and checksum.
+const LENGTH: usize = 4 + 1 + 8 + 2 + 4;
 
-/// Keeps the state for the boot decision.
-pub(crate) fn save_last_state(store: &mut dyn NonVolatile, state: State, signature: u64) {
-    let mut bytes = [0; 17];
-    bytes[..4].copy_from_slice(MAGIC);
-    bytes[4] = state.number() as u8;
-    bytes[5..13].copy_from_slice(&signature.to_le_bytes());
-    let sum = crc32fast::hash(&bytes[..13]);
-    bytes[13..].copy_from_slice(&sum.to_le_bytes());
-    store.write(STATE_FILE, &bytes);
+/// What a boot finds of the controller as it was.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct LastState {
+    /// The state before, for the boot decision.
+    pub state: State,
+    /// The signature of the application that was in memory, 0 for none.
+    pub signature: u64,
+    /// Why RUNNING was left last (plcsystem:PLCR-10).
+    pub stop_cause: StopCause,
 }
 
-/// The state before, and the signature of the application that was in memory.
-pub(crate) fn load_last_state(store: &dyn NonVolatile) -> Option<(State, u64)> {
-    let bytes: [u8; 17] = store.read(STATE_FILE)?.try_into().ok()?;
-    let (body, sum) = bytes.split_last_chunk::<4>()?;
-    if !body.starts_with(MAGIC) || crc32fast::hash(body) != u32::from_le_bytes(*sum) {
-        return None;
+impl LastState {
+    /// That of a controller whose storage says nothing.
+    const NONE: LastState = LastState { state: State::Off, signature: 0, stop_cause: StopCause::Unknown };
+
+    /// That of an earlier life.
+    pub(crate) fn load(store: &dyn NonVolatile) -> LastState {
+        store.read(STATE_FILE).and_then(|bytes| LastState::decode(&bytes)).unwrap_or(LastState::NONE)
     }
-    let signature = u64::from_le_bytes(body[5..13].try_into().ok()?);
-    Some((State::from_number(i64::from(body[4]))?, signature))
+
+    fn decode(bytes: &[u8]) -> Option<LastState> {
+        let bytes: &[u8; LENGTH] = bytes.try_into().ok()?;
+        let (body, sum) = bytes.split_last_chunk::<4>()?;
+        if !body.starts_with(MAGIC) || crc32fast::hash(body) != u32::from_le_bytes(*sum) {
+            return None;
+        }
+        Some(LastState {
+            state: State::from_number(i64::from(body[4]))?,
+            signature: u64::from_le_bytes(body[5..13].try_into().ok()?),
+            stop_cause: StopCause::from_code(u16::from_le_bytes(body[13..].try_into().ok()?))?,
+        })
+    }
+
+    /// Keeps it.
+    pub(crate) fn save(self, store: &mut dyn NonVolatile) {
+        let mut bytes = [0; LENGTH];
+        let (body, sum) = bytes.split_at_mut(LENGTH - 4);
+        body[..4].copy_from_slice(MAGIC);
+        body[4] = self.state.number() as u8;
+        body[5..13].copy_from_slice(&self.signature.to_le_bytes());
+        body[13..].copy_from_slice(&self.stop_cause.code().to_le_bytes());
+        sum.copy_from_slice(&crc32fast::hash(body).to_le_bytes());
+        store.write(STATE_FILE, &bytes);
+    }
 }
 
 /// Seconds since 1970-01-01 00:00 UTC (controller:RB-06), 0 for never.

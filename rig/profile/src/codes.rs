@@ -89,6 +89,29 @@ pub enum StopCause {
     PowerFail = 0x0F,
 }
 
+impl StopCause {
+    /// The cause of this number.
+    pub fn from_code(code: u16) -> Option<StopCause> {
+        let all = [
+            StopCause::Unknown,
+            StopCause::HardwareWatchdog,
+            StopCause::Reset,
+            StopCause::Exception,
+            StopCause::User,
+            StopCause::Program,
+            StopCause::Delete,
+            StopCause::Debugging,
+            StopCause::Network,
+            StopCause::Input,
+            StopCause::Switch,
+            StopCause::RetainMismatch,
+            StopCause::BootApplicationMismatch,
+            StopCause::PowerFail,
+        ];
+        all.into_iter().find(|cause| cause.code() == code)
+    }
+}
+
 /// The last application error, PLC_R.i_wLastApplicationError, register 60015 (controller:SYS-03).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u16)]

@@ -29,6 +29,7 @@ pub use front_panel::FrontPanel;
 use crate::external::ExternalErrors;
 use crate::files::Files;
 use crate::io::EmbeddedIo;
+use crate::last_state::LastState;
 use crate::led::Leds;
 use crate::module::Modules;
 use crate::ports::Ports;
@@ -43,6 +44,7 @@ use crate::{
     RegisterProbe, State, TaskConfig, TaskKind, VariableReset, Warning, WriteError,
 };
 use online_change::Pending;
+use profile::StopCause;
 use signal::{Cause, Time, Value};
 use std::fmt;
 
@@ -144,7 +146,8 @@ impl Controller {
         context.newest(self.files.store());
         context.prepare(&*application, true, self.files.store_mut());
         context.save_now(&*application, &Memory::new(self.config.profile), self.files.store_mut());
-        crate::last_state::save_last_state(self.files.store_mut(), left, application.signature());
+        let signature = application.signature();
+        LastState { state: left, signature, stop_cause: StopCause::Unknown }.save(self.files.store_mut());
         Ok(())
     }
 

@@ -4,7 +4,6 @@
 
 use super::Controller;
 use crate::CommandError;
-use crate::last_state::save_last_state;
 use crate::probes::class;
 use crate::{Application, Effects, LogEntry, State};
 use profile::StopCause;
@@ -45,7 +44,6 @@ impl Controller {
         self.scheduler.set_changing(false);
         let Some(old) = &mut self.application else { return };
         let Some(code_only) = application.succeed(&mut **old) else { return };
-        let signature = application.signature();
         self.application = Some(application);
         self.attach();
         self.bundle = bundle;
@@ -56,7 +54,7 @@ impl Controller {
         }
         self.remanent.dirty = true;
         self.save_if_dirty(now);
-        save_last_state(self.files.store_mut(), self.state, signature);
+        self.save_last_state(self.state);
         self.log_entry(now, LogEntry::OnlineChange { code_only }, fx);
         self.observe(class::ALL, now, Cause::Controller, fx);
         if self.state == State::Running && self.scheduler.stopping().is_none() {

@@ -4,7 +4,7 @@ use super::Controller;
 use super::transition::ApplicationStart;
 use crate::boot::{BootFacts, decide};
 use crate::first_cycle::FirstCycle;
-use crate::last_state::load_last_state;
+use crate::last_state::LastState;
 use crate::remanent::Saved;
 use crate::{APPLICATION_FILE, Application, Effects, LogEntry, RETAIN_MAP, State, VariableReset};
 use profile::{BootProjectStatus, Profile, StopCause};
@@ -24,7 +24,7 @@ enum Check {
 impl Controller {
     /// Loads the boot application and decides the state (controller:TR-02...07).
     pub(super) fn end_boot(&mut self, now: Time, fx: &mut Effects) {
-        let (previous, before) = load_last_state(self.files.store()).unwrap_or((State::Off, 0));
+        let LastState { state: previous, signature: before, .. } = LastState::load(self.files.store());
         let loaded = self.power.firmware && !self.power.system_error;
         let bundle = self.files.store().read(APPLICATION_FILE).filter(|_| loaded);
         let mut invalid = false;
@@ -64,19 +64,24 @@ impl Controller {
         }
         let outcome = decide(&facts);
         self.log_entry(now, LogEntry::Boot { row: outcome.row }, fx);
+        if previous == State::Running && !facts.script {
+            self.system.stop_cause = StopCause::PowerFail;
+        }
         if matches!(outcome.state, State::Empty | State::InvalidOs) {
             // controller:FRC-07
             self.io.clear_forcing();
             self.enter(outcome.state, now, fx);
             return;
         }
-        self.system.stop_cause = match check {
-            Check::Variables => StopCause::RetainMismatch,
-            Check::Application => StopCause::BootApplicationMismatch,
-            Check::Valid if !facts.same && previous != State::Empty => StopCause::BootApplicationMismatch,
-            Check::Valid if previous == State::Running && !facts.script => StopCause::PowerFail,
-            Check::Valid => StopCause::Unknown,
-        };
+        // What the boot itself stops for goes before what stopped the controller before it (plcsystem:PLCR-10).
+        match check {
+            Check::Variables => self.system.stop_cause = StopCause::RetainMismatch,
+            Check::Application => self.system.stop_cause = StopCause::BootApplicationMismatch,
+            Check::Valid if !facts.same && previous != State::Empty => {
+                self.system.stop_cause = StopCause::BootApplicationMismatch;
+            }
+            Check::Valid => {}
+        }
         if check != Check::Valid {
             self.log_entry(now, LogEntry::ContextInvalid, fx);
             self.save_if_dirty(now);

@@ -1,7 +1,7 @@
 //! States and the ways between them: power, boot, stop, errors.
 
 use super::Controller;
-use crate::last_state::{Dates, save_last_state};
+use crate::last_state::{Dates, LastState};
 use crate::probes::class;
 use crate::{Application, Effect, Effects, HaltOutputs, LogEntry, OutputsInStop, State, TaskConfig};
 use profile::{
@@ -30,10 +30,9 @@ impl Controller {
         } else if self.state == State::Off {
             self.power_modules(now);
             self.leds.power_on(now);
-            (self.power.system_error, self.power.script) = (false, false);
-            // A power cycle clears the diagnostics (controller:WD-15).
-            self.system.error = ApplicationError::None;
-            self.system.stop_cause = StopCause::Unknown;
+            self.power.script = false;
+            self.clear_errors(None);
+            self.system.stop_cause = LastState::load(self.files.store()).stop_cause;
             self.boot(now, fx);
         }
     }
@@ -217,7 +216,7 @@ impl Controller {
         (self.power.system_error, self.power.script) = (true, false);
         self.record_crash();
         self.log_entry(now, LogEntry::Stopped(cause), fx);
-        save_last_state(self.files.store_mut(), State::Empty, 0);
+        self.save_last_state(State::Empty);
         self.boot(now, fx);
     }
 
@@ -271,13 +270,34 @@ impl Controller {
         self.operate_functions(now, fx);
         self.io.drive_alarm(now, &self.memory);
         if matches!(state, State::Empty | State::Stopped | State::Running | State::Halt) {
-            let signature = self.application.as_ref().map_or(0, |application| application.signature());
-            save_last_state(self.files.store_mut(), state, signature);
+            self.save_last_state(state);
         }
         self.ports.note_state(now, state);
         fx.push(Effect::State { at: now, state });
         self.log_entry(now, LogEntry::State { from, to: state }, fx);
         self.observe(class::ALL, now, Cause::Controller, fx);
+    }
+
+    /// Keeps the state for the next boot. The cause of a system error is forgotten with the error (controller:WD-15).
+    pub(super) fn save_last_state(&mut self, state: State) {
+        let signature = self.application.as_ref().map_or(0, |application| application.signature());
+        let stop_cause = if self.power.system_error { StopCause::Unknown } else { self.system.stop_cause };
+        LastState { state, signature, stop_cause }.save(self.files.store_mut());
+    }
+
+    /// The indications of errors are cleared; `stopped` is why RUNNING is left with that. Else the cause of the last stop
+    /// stays (plcsystem:PLCR-02), but for that of a system error (controller:WD-15).
+    pub(super) fn clear_errors(&mut self, stopped: Option<StopCause>) {
+        if self.power.system_error || stopped.is_some() {
+            self.system.stop_cause = stopped.unwrap_or(StopCause::Unknown);
+        }
+        self.power.system_error = false;
+        self.system.error = ApplicationError::None;
+    }
+
+    /// This cause, where RUNNING is about to be left.
+    pub(super) fn stopped_by(&self, cause: StopCause) -> Option<StopCause> {
+        matches!(self.state, State::Running | State::Breakpoint).then_some(cause)
     }
 
     /// Whatever a state that is left takes with it: instants of the last stop and of power off.

@@ -59,8 +59,7 @@ impl Controller {
         now: Time,
         fx: &mut Effects,
     ) -> Result<(), CommandError> {
-        let runs = matches!(self.state, State::Running | State::Breakpoint);
-        let cause = if runs { StopCause::User } else { StopCause::Unknown };
+        let cause = self.stopped_by(StopCause::User);
         let old = self.application.take();
         self.scheduler.abort_cycles();
         self.remanent.abandon();

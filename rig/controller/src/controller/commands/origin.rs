@@ -31,6 +31,7 @@ impl Controller {
         self.files.erase(USER_FOLDER, kept);
         if profile == Profile::M251_2024 {
             self.boot_file_changed();
+            self.save_last_state(State::Empty);
             self.boot(now, fx);
         } else {
             self.boot_file_changed();
@@ -82,9 +83,7 @@ impl Controller {
         if !matches!(self.state, State::Running | State::Breakpoint | State::Stopped | State::Halt) {
             return Err(CommandError::State(self.state));
         }
-        let runs = matches!(self.state, State::Running | State::Breakpoint);
-        let cause = if runs { StopCause::Reset } else { StopCause::Unknown };
-        self.clear_diagnostics(cause);
+        self.clear_diagnostics(self.stopped_by(StopCause::Reset));
         self.unload(now);
         for file in RETAIN_FILES {
             self.files.store_mut().remove(file);

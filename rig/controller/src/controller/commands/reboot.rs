@@ -3,7 +3,7 @@
 use crate::CommandError;
 use crate::controller::Controller;
 use crate::{Effects, State};
-use profile::{ApplicationError, StopCause};
+use profile::StopCause;
 use signal::Time;
 
 impl Controller {
@@ -18,9 +18,7 @@ impl Controller {
             return Err(CommandError::State(self.state));
         }
         self.complete_saves();
-        self.power.system_error = false;
-        self.system.error = ApplicationError::None;
-        self.system.stop_cause = StopCause::Unknown;
+        self.clear_errors(self.stopped_by(StopCause::Unknown));
         self.power.script = true;
         self.boot(now, fx);
         Ok(())

@@ -5,7 +5,7 @@ use crate::controller::Controller;
 use crate::controller::transition::ApplicationStart;
 use crate::first_cycle::FirstCycle;
 use crate::{Effects, State, VariableReset};
-use profile::{ApplicationError, StopCause};
+use profile::StopCause;
 use signal::Time;
 
 impl Controller {
@@ -19,9 +19,8 @@ impl Controller {
         if !matches!(self.state, State::Running | State::Breakpoint | State::Stopped | State::Halt) {
             return Err(CommandError::State(self.state));
         }
+        let cause = self.stopped_by(StopCause::Reset);
         let Some(application) = &mut self.application else { return Err(CommandError::State(self.state)) };
-        let runs = matches!(self.state, State::Running | State::Breakpoint);
-        let cause = if runs { StopCause::Reset } else { StopCause::Unknown };
         application.reset(reset);
         self.system.first_cycle = FirstCycle::after(reset);
         self.memory.reset(|word| !application.associates(word));
@@ -37,13 +36,12 @@ impl Controller {
         Ok(())
     }
 
-    /// Forcing and the indications of errors are erased (controller:FRC-07, controller:WD-15).
-    pub(in crate::controller) fn clear_diagnostics(&mut self, cause: StopCause) {
+    /// Forcing and the indications of errors are erased (controller:FRC-07, controller:WD-15); `stopped` is why RUNNING is
+    /// left with that.
+    pub(in crate::controller) fn clear_diagnostics(&mut self, stopped: Option<StopCause>) {
         self.io.clear_forcing();
         self.io.reset_protection();
-        self.power.system_error = false;
-        self.system.error = ApplicationError::None;
-        self.system.stop_cause = cause;
+        self.clear_errors(stopped);
         self.clear_plc_w();
     }
 }
