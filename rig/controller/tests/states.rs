@@ -140,7 +140,8 @@ fn resets_keep_what_the_table_says() {
         rig.power_on();
         rig.after(ms(1_600));
         assert_eq!((rig.plc.state(), values(&rig)), (State::Stopped, expected));
-        assert_eq!(rig.system(SystemVariable::LastStopCause), 0);
+        // plcsystem:PLCR-02
+        assert_eq!(rig.system(SystemVariable::LastStopCause), 2);
     }
 }
 
