@@ -87,9 +87,13 @@ pub trait Application: Send {
     /// it is in the controller's memory. Valid as long as the application is. Not to be called inside a scan.
     fn variable(&self, path: &str) -> Option<u32>;
 
-    /// Where a variable is, for the relocation table; `None` for one that does not exist or is no single value. Not to
-    /// be called inside a scan.
+    /// Where a variable is, for the relocation table; `None` for one that does not exist or has a block or an address in
+    /// it. Not to be called inside a scan.
     fn locate(&self, path: &str) -> Option<VariableLocation>;
+
+    /// The number of two bytes of an extent, as a WORD, or of one as a BYTE at the end of an odd number: those of register
+    /// `word`, from 0, of the extent of `bytes` bytes whose first byte has the number `first`.
+    fn word_of(&self, first: u32, bytes: u32, word: u16) -> Option<u32>;
 
     /// The value of a variable.
     fn read(&self, variable: u32) -> Value;

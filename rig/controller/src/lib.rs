@@ -63,7 +63,7 @@ pub use external::{Disturbance, FAULT_BITS};
 pub use files::{FileError, FileProbe, FileUser, LONGEST_PATH};
 pub use io::ForcedChannels;
 pub use led::{Led, LedPattern};
-pub use location::{RegisterFormat, VariableLocation};
+pub use location::{ExtentStart, RegisterFormat, VariableLocation};
 pub use log::LogEntry;
 pub use memory::Memory;
 pub use module::{ExchangeCycle, IoModule, ModuleChannel, OutputChanges, Sharing, Written};

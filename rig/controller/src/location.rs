@@ -1,6 +1,6 @@
 //! Where variables of the application are, and how they fill registers.
 
-use signal::{Address, Value};
+use signal::{Address, Size, Value};
 
 /// How a variable of the application fills registers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,6 +54,41 @@ pub enum VariableLocation {
     Variable(u32, RegisterFormat),
     /// A place in memory.
     Memory(Address),
+    /// A text, an array or a structure, two of its bytes in each register, the lower one first.
+    Extent {
+        /// Where its first byte is.
+        first: ExtentStart,
+        /// How many bytes it has.
+        bytes: u32,
+    },
+}
+
+/// Where an extent begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ExtentStart {
+    /// The number of its first byte: [`crate::Application::word_of`] has its words.
+    Variable(u32),
+    /// A byte of memory.
+    Memory(Address),
+}
+
+impl VariableLocation {
+    /// How many registers it takes.
+    pub(crate) fn words(self) -> u32 {
+        match self {
+            VariableLocation::Variable(_, form) => u32::from(form.words()),
+            VariableLocation::Memory(address) => address.bit_len().div_ceil(16),
+            VariableLocation::Extent { bytes, .. } => bytes.div_ceil(2),
+        }
+    }
+}
+
+/// The bytes of memory behind one register of an extent that begins at `first`; one at the end of an odd number.
+pub(crate) fn memory_bytes(first: Address, bytes: u32, word: u16) -> impl Iterator<Item = Address> {
+    let offset = 2 * u32::from(word);
+    (offset..bytes.min(offset + 2)).filter_map(move |byte| {
+        Address::new(first.area(), Size::Byte, (first.bit_offset() / 8).checked_add(byte)?)
+    })
 }
 
 /// One register of a variable's value.

@@ -39,16 +39,19 @@ impl RelocationTable {
         profile: Profile,
     ) -> Result<RelocationTable, (RelocationPart, usize)> {
         let part = |part: RelocationPart, names: &[String]| {
-            let mut next = 0;
+            let mut next: u32 = 0;
             let mut rows = Vec::with_capacity(names.len());
             for (place, name) in names.iter().enumerate() {
                 let target = target(name, application);
                 let words = target.map_or(0, |target| target.words(profile));
-                if next + words > TABLE_WORDS {
+                let after = next.saturating_add(words);
+                if after > u32::from(TABLE_WORDS) {
                     return Err((part, place));
                 }
-                rows.push(RelocationRow { address: target.map(|_| part.first() + next), words, target });
-                next += words;
+                // Neither is above the words of a table.
+                let (offset, words) = (next as u16, words as u16);
+                rows.push(RelocationRow { address: target.map(|_| part.first() + offset), words, target });
+                next = after;
             }
             Ok(rows)
         };
@@ -87,13 +90,10 @@ fn target(name: &str, application: Option<&dyn Application>) -> Option<Relocatio
 }
 
 impl RelocationTarget {
-    fn words(self, profile: Profile) -> u16 {
+    fn words(self, profile: Profile) -> u32 {
         match self {
-            RelocationTarget::System(field) => field.words(profile),
-            RelocationTarget::Application(VariableLocation::Variable(_, form)) => form.words(),
-            RelocationTarget::Application(VariableLocation::Memory(address)) => {
-                address.bit_len().div_ceil(16) as u16
-            }
+            RelocationTarget::System(field) => u32::from(field.words(profile)),
+            RelocationTarget::Application(located) => located.words(),
         }
     }
 }

@@ -37,6 +37,7 @@ mod assemble;
 mod code;
 mod codes;
 mod emit;
+mod extent;
 mod findings;
 mod host;
 mod initialise;
@@ -60,6 +61,7 @@ mod vendor;
 mod walk;
 
 pub use codes::CODES;
+pub use extent::Extent;
 pub use host::{Host, MachineSlice, ProgramFault, ProgramFaultKind, StopReason};
 pub use library::Service;
 pub use listing::{ListedLine, ListedStep, ListedUnit};

@@ -2,12 +2,12 @@
 //! controller's memory by these two functions alone.
 
 use super::Controller;
-use crate::location::{with_word, word_of};
+use crate::location::{memory_bytes, with_word, word_of};
 use crate::registers::{Block, block, signature_word, word_address};
 use crate::relocation::{RelocationTable, RelocationTarget};
 use crate::{
-    Application, Effects, Probe, RegisterError, RegisterFormat, RegisterProbe, RelocationPart, RelocationRow,
-    SystemVariable, VariableLocation,
+    Application, Effects, ExtentStart, Probe, RegisterError, RegisterFormat, RegisterProbe, RelocationPart,
+    RelocationRow, SystemVariable, VariableLocation,
 };
 use profile::{
     FILE_HANDLES, FIRMWARE_VERSION, Profile, SERIAL_NUMBER, SystemField, USER_DISK_BYTES, VENDOR_NAME,
@@ -100,11 +100,26 @@ impl Controller {
     fn target_word(&self, target: RelocationTarget, word: u16) -> u16 {
         match target {
             RelocationTarget::System(field) => self.field_word(field, word),
-            RelocationTarget::Application(VariableLocation::Memory(at)) => {
-                (self.memory.load(at) >> (16 * u32::from(word.min(3)))) as u16
+            RelocationTarget::Application(located) => self.located_word(located, word),
+        }
+    }
+
+    fn located_word(&self, located: VariableLocation, word: u16) -> u16 {
+        let read =
+            |number, form, word| self.application.as_ref().map(|it| word_of(form, it.read(number), word));
+        match located {
+            VariableLocation::Memory(at) => (self.memory.load(at) >> (16 * u32::from(word.min(3)))) as u16,
+            VariableLocation::Variable(number, form) => read(number, form, word).unwrap_or(0),
+            VariableLocation::Extent { first: ExtentStart::Memory(first), bytes } => {
+                let mut pair = [0; 2];
+                for (byte, at) in pair.iter_mut().zip(memory_bytes(first, bytes, word)) {
+                    *byte = self.memory.load(at) as u8;
+                }
+                u16::from_le_bytes(pair)
             }
-            RelocationTarget::Application(VariableLocation::Variable(number, form)) => {
-                self.application.as_ref().map_or(0, |it| word_of(form, it.read(number), word))
+            VariableLocation::Extent { first: ExtentStart::Variable(first), bytes } => {
+                let number = self.application.as_ref().and_then(|it| it.word_of(first, bytes, word));
+                number.and_then(|number| read(number, RegisterFormat::Whole(1), 0)).unwrap_or(0)
             }
         }
     }
@@ -155,6 +170,19 @@ impl Controller {
                 if let Some(application) = &mut self.application {
                     let new = with_word(form, application.read(number), word, value);
                     application.write(number, new);
+                }
+            }
+            VariableLocation::Extent { first: ExtentStart::Memory(first), bytes } => {
+                self.memory.set_cause(cause);
+                for (byte, at) in value.to_le_bytes().into_iter().zip(memory_bytes(first, bytes, word)) {
+                    self.memory.store(at, u64::from(byte));
+                }
+            }
+            VariableLocation::Extent { first: ExtentStart::Variable(first), bytes } => {
+                if let Some(application) = &mut self.application
+                    && let Some(number) = application.word_of(first, bytes, word)
+                {
+                    application.write(number, Value::Word(u64::from(value)));
                 }
             }
         }
@@ -267,22 +295,31 @@ impl Controller {
     }
 
     pub(super) fn watch_register(&mut self, register: u16) {
-        let target = match block(register) {
-            Block::Memory => {
-                word_address(register).map(|at| RelocationTarget::Application(VariableLocation::Memory(at)))
-            }
-            Block::Table(part) => self.registers.table().at(part, register).map(|(target, _)| target),
+        let located = match block(register) {
+            Block::Memory => word_address(register).map(|at| (VariableLocation::Memory(at), 0)),
+            Block::Table(part) => match self.registers.table().at(part, register) {
+                Some((RelocationTarget::Application(located), word)) => Some((located, word)),
+                Some((RelocationTarget::System(_), _)) | None => None,
+            },
             _ => None,
         };
-        match (target, &mut self.application) {
-            (Some(RelocationTarget::Application(VariableLocation::Memory(at))), _) => self.memory.watch(at),
-            (
-                Some(RelocationTarget::Application(VariableLocation::Variable(number, _))),
-                Some(application),
-            ) => {
-                application.watch(number);
+        let Some((located, word)) = located else { return };
+        let number = match located {
+            VariableLocation::Memory(at) => {
+                self.memory.watch(at);
+                None
             }
-            _ => {}
+            VariableLocation::Extent { first: ExtentStart::Memory(first), bytes } => {
+                memory_bytes(first, bytes, word).for_each(|at| self.memory.watch(at));
+                None
+            }
+            VariableLocation::Variable(number, _) => Some(number),
+            VariableLocation::Extent { first: ExtentStart::Variable(first), bytes } => {
+                self.application.as_ref().and_then(|it| it.word_of(first, bytes, word))
+            }
+        };
+        if let (Some(number), Some(application)) = (number, &mut self.application) {
+            application.watch(number);
         }
     }
 }

@@ -217,6 +217,9 @@ impl Application for Player {
     fn locate(&self, path: &str) -> Option<VariableLocation> {
         self.variable(path).map(|number| VariableLocation::Variable(number, RegisterFormat::Whole(2)))
     }
+    fn word_of(&self, _: u32, _: u32, _: u16) -> Option<u32> {
+        None
+    }
     fn read(&self, variable: u32) -> Value {
         self.values.get(variable as usize).map_or(Value::Unknown, |value| Value::Int(*value))
     }

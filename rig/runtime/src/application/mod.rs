@@ -19,13 +19,13 @@ use crate::application::system_variables::with_system;
 use crate::application::variable_numbers::{ResolvedVariables, VariableNumbers};
 use crate::codes;
 use controller::{
-    Application, ApplicationFault, FaultClass, LoadError, Loader, Memory, RegisterFormat, Slice, SliceEnd,
-    SystemCall, VariableLocation, VariableReset,
+    Application, ApplicationFault, ExtentStart, FaultClass, LoadError, Loader, Memory, RegisterFormat, Slice,
+    SliceEnd, SystemCall, VariableLocation, VariableReset,
 };
 use document::{Diagnostic, SourceFile};
 use expert::ExpertFunctions;
 use profile::{ApplicationError, Profile};
-use program::{Elementary, Host, Machine, Options, Pins, Program, ProgramFaultKind, Storage};
+use program::{Elementary, Extent, Host, Machine, Options, Pins, Program, ProgramFaultKind, Storage, VarRef};
 use signal::{Address, Area, Cause, Size, Span, Time, Value};
 use std::any::Any;
 use std::sync::Arc;
@@ -326,11 +326,23 @@ impl Application for ProgramApplication {
     }
 
     fn locate(&self, path: &str) -> Option<VariableLocation> {
-        let variable = self.machine.program().find(path).filter(|variable| variable.dimensions.is_empty())?;
+        let program = self.machine.program();
+        if let Some(Extent { first, bytes }) = program.extent(path) {
+            let first = match first {
+                Storage::Located(address) => ExtentStart::Memory(address),
+                Storage::Cell(cell) => ExtentStart::Variable(cell.0),
+            };
+            return Some(VariableLocation::Extent { first, bytes });
+        }
+        let variable = program.find(path).filter(|variable| variable.dimensions.is_empty())?;
         match variable.storage {
             Storage::Located(address) => Some(VariableLocation::Memory(address)),
             Storage::Cell(cell) => Some(VariableLocation::Variable(cell.0, form_of(variable.ty))),
         }
+    }
+
+    fn word_of(&self, first: u32, bytes: u32, word: u16) -> Option<u32> {
+        VarRef(first).word_of(bytes, word).map(|variable| variable.0)
     }
 
     fn read(&self, variable: u32) -> Value {
