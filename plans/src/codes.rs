@@ -75,6 +75,7 @@ document::codes! {
     COLUMN = "P0645", "A column that cannot drive a signal";
     MEASURE = "P0660", "A key that does not apply to this kind of measurement";
     TOO_MANY_TURNS = "P0661", "More turns than a plan can have";
+    GUARD_BAND = "P0668", "A guard band where there is no figure";
     FRAME = "P0670", "A frame that cannot be described like this";
     FRAME_DATA = "P0671", "A text that does not read as data of a frame";
     FRAME_ID = "P0672", "An identifier that no frame has";

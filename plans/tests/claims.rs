@@ -1,6 +1,7 @@
 //! What is refused: claims that make no sense in themselves, and claims that make none for their signals.
 
 use document::{Fields, Findings, Node, SourceFile};
+use record::GuardBand;
 use scanrig_plans::expect::{self, Expectation, ReadContext};
 use scanrig_plans::judge::{CaseJudge, Scenario};
 use scanrig_plans::lang::PlanNames;
@@ -44,7 +45,7 @@ fn read(text: &str) -> Result<Scenario, Vec<&'static str>> {
         None => {
             let fields = Fields::check(table, 0..1, "measurement", measure::KEYS, &mut out);
             let mut cx = ReadContext { out: &mut out, names: &Anything, place: 0..1 };
-            scenario.measurements.extend(measure::read(&fields, &mut cx));
+            scenario.measurements.extend(measure::read(&fields, GuardBand::default(), &mut cx));
         }
     }
     let nothing = scenario.expectations.is_empty() && scenario.measurements.is_empty();

@@ -11,7 +11,7 @@ use std::fs;
 use std::path::Path;
 
 use document::{Fields, Findings, Node, SourceFile};
-use record::Verdict;
+use record::{GuardBand, Verdict};
 use scanrig_plans::expect::{self, Expectation, ReadContext};
 use scanrig_plans::judge::{CaseJudge, Scenario, StepFacts};
 use scanrig_plans::lang::PlanNames;
@@ -201,7 +201,7 @@ impl Golden {
             }
             None => {
                 let fields = Fields::check(&entry, place, "measurement", measure::KEYS, cx.out);
-                let taken = measure::read(&fields, &mut cx).filter(|_| !out.has_errors());
+                let taken = measure::read(&fields, GuardBand::default(), &mut cx).filter(|_| !out.has_errors());
                 let Some(taken) = taken else { panic!("{}: {:?}", self.title, out.into_vec()) };
                 scenario.measurements.push(taken);
             }

@@ -5,7 +5,7 @@
 
 use document::{Fields, Findings, Node, SourceFile};
 use proptest::prelude::*;
-use record::Verdict;
+use record::{GuardBand, Verdict};
 use scanrig_plans::expect::{self, Expectation, ReadContext};
 use scanrig_plans::judge::{CaseJudge, JudgedCase, Scenario};
 use scanrig_plans::lang::PlanNames;
@@ -49,7 +49,7 @@ pub(crate) fn scenario(text: &str) -> Scenario {
         None => {
             let fields = Fields::check(entry, 0..1, "measurement", measure::KEYS, &mut out);
             let mut cx = ReadContext { out: &mut out, names: &Anything, place: 0..1 };
-            let taken = measure::read(&fields, &mut cx);
+            let taken = measure::read(&fields, GuardBand::default(), &mut cx);
             scenario.measurements.push(taken.unwrap_or_else(|| panic!("{text}: {:?}", out.into_vec())));
         }
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use document::{Fields, Findings, Node, SourceFile};
 use proptest::prelude::*;
-use record::Verdict;
+use record::{GuardBand, Verdict};
 use scanrig_plans::expect::{self, Expectation, ReadContext, TraceClaim};
 use scanrig_plans::judge::{CaseJudge, Scenario};
 use scanrig_plans::lang::PlanNames;
@@ -50,7 +50,7 @@ fn scenario(text: &str) -> Scenario {
         None => {
             let fields = Fields::check(table, 0..1, "measurement", measure::KEYS, &mut out);
             let mut cx = ReadContext { out: &mut out, names: &Anything, place: 0..1 };
-            scenario.measurements.extend(measure::read(&fields, &mut cx));
+            scenario.measurements.extend(measure::read(&fields, GuardBand::default(), &mut cx));
         }
     }
     let found = out.into_vec();

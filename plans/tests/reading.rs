@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use document::{SourceFile, render};
+use record::GuardBand;
 use scanrig_plans as plans;
 use scanrig_plans::steps::Stimulus;
 use scanrig_plans::{Anchor, AnchorBase, StepTime};
@@ -254,4 +255,17 @@ fn the_states_that_a_case_speaks_of() {
     }
     let waits = "{ id = \"a\", when = { signal = \"state\", becomes = \"HALT\", within = \"1 s\" } }";
     assert_eq!(states("value = { of = \"%MW1\", is = 1 }", waits), ["HALT"]);
+}
+
+#[test]
+fn a_measurement_has_the_guard_band_of_its_plan_unless_it_names_one() {
+    let text = "format = 1\ntitle = \"t\"\nprogram-text = \"PROGRAM MAIN END_PROGRAM\"\nsignals = { q = \"%IX0.0\" }\n\
+        guard = \"none\"\nmeasure = [\n  { name = \"as the plan\", period-of = \"q\", max = \"1 ms\" },\n\
+        { name = \"its own\", period-of = \"q\", max = \"1 ms\", guard = \"uncertainty\" },\n]\n";
+    let guards = |text: &str| -> Vec<GuardBand> {
+        let plan = plans::read(&SourceFile::new("t.toml", text), &[], 1).unwrap();
+        plan.case(0).unwrap().measurements.iter().map(|known| known.guard).collect()
+    };
+    assert_eq!(guards(text), [GuardBand::None, GuardBand::Uncertainty]);
+    assert_eq!(guards(&text.replace("guard = \"none\"\n", "")), [GuardBand::Uncertainty; 2]);
 }

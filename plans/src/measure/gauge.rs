@@ -1,7 +1,9 @@
 //! Taking a measurement.
 
-use record::{Figure, MeasurementRecord, Verdict};
-use signal::{SignalInfo, ValueKind};
+use std::cmp::Ordering;
+
+use record::{Figure, GuardBand, MeasurementRecord, Verdict};
+use signal::{Decimal, SignalInfo, ValueKind};
 
 use super::window::WindowMeasurement;
 use super::{MeasuredQuantity, Measurement, MeasurementLimits, Statistic, WindowFigure};
@@ -23,6 +25,49 @@ pub(super) struct LimitNumbers {
     tolerance: Option<f64>,
     /// A limit is a whole number that no float is.
     rounded: bool,
+    /// How the uncertainty of a figure counts against them.
+    guard: GuardBand,
+}
+
+/// One end of what is held against limits.
+#[derive(Clone, Copy, Debug)]
+enum JudgedEnd {
+    /// A number.
+    At(f64),
+    /// The middle of a figure: the sum of its ends, exactly, and half of that as the nearest float.
+    Middle(Option<Decimal>, f64),
+}
+
+impl JudgedEnd {
+    /// The middle of a figure; none of one without an end. Floats are met as the decimal numbers that they were written as:
+    /// the middle of 0.45 and 0.55 is 0.5.
+    fn middle(low: f64, high: f64) -> Option<JudgedEnd> {
+        let middle = low / 2.0 + high / 2.0;
+        let sum = || Decimal::from_f64(low)?.plus(Decimal::from_f64(high)?);
+        middle.is_finite().then(|| JudgedEnd::Middle(sum(), middle))
+    }
+
+    fn compare(self, limit: f64) -> Option<Ordering> {
+        let near = match self {
+            JudgedEnd::At(number) => return number.partial_cmp(&limit),
+            JudgedEnd::Middle(sum, near) => {
+                let twice = Decimal::from_f64(limit).and_then(|limit| limit.plus(limit));
+                if let (Some(sum), Some(twice)) = (sum, twice) {
+                    return Some(sum.cmp(&twice));
+                }
+                near
+            }
+        };
+        near.partial_cmp(&limit)
+    }
+
+    fn is_at_most(self, limit: f64) -> bool {
+        self.compare(limit).is_some_and(Ordering::is_le)
+    }
+
+    fn is_at_least(self, limit: f64) -> bool {
+        self.compare(limit).is_some_and(Ordering::is_ge)
+    }
 }
 
 impl LimitNumbers {
@@ -43,7 +88,7 @@ impl LimitNumbers {
         if let Some((nominal, tolerance)) = &limits.nominal {
             let around = ToleranceBand::new(nominal, tolerance, info)?;
             bounds.nominal = Some(around.middle.as_f64());
-            bounds.tolerance = around.max.minus(around.middle).map(signal::Decimal::as_f64);
+            bounds.tolerance = around.max.minus(around.middle).map(Decimal::as_f64);
             bounds.min = Some(around.min.as_f64());
             bounds.max = Some(around.max.as_f64());
         }
@@ -53,12 +98,26 @@ impl LimitNumbers {
         }
     }
 
-    fn any(&self) -> bool {
+    /// The same with this guard band.
+    pub(super) fn guarded(self, guard: GuardBand) -> LimitNumbers {
+        LimitNumbers { guard, ..self }
+    }
+
+    pub(super) fn any(&self) -> bool {
         self.min.is_some() || self.max.is_some()
     }
 
-    /// Whether a value within the interval can be inside the limits, and whether it can be outside.
-    fn hold(&self, low: f64, high: f64) -> (bool, bool) {
+    /// What of a figure is held against them: both ends, or without a guard band its middle.
+    fn judged(&self, low: f64, high: f64) -> [JudgedEnd; 2] {
+        let middle = match self.guard {
+            GuardBand::Uncertainty => None,
+            GuardBand::None => JudgedEnd::middle(low, high),
+        };
+        middle.map_or([JudgedEnd::At(low), JudgedEnd::At(high)], |middle| [middle; 2])
+    }
+
+    /// Whether a value between the ends can be inside the limits, and whether it can be outside.
+    fn hold(&self, [low, high]: [JudgedEnd; 2]) -> (bool, bool) {
         let min = self.min.unwrap_or(f64::NEG_INFINITY);
         let max = self.max.unwrap_or(f64::INFINITY);
         let around = |limit: f64| match self.rounded {
@@ -66,10 +125,16 @@ impl LimitNumbers {
             false => (limit, limit),
         };
         let (min, max) = (around(min), around(max));
-        (low <= max.1 && high >= min.0, !(low >= min.1 && high <= max.0))
+        let inside = low.is_at_least(min.1) && high.is_at_most(max.0);
+        (low.is_at_most(max.1) && high.is_at_least(min.0), !inside)
     }
 
     fn margin(&self, low: f64, high: f64) -> Option<f64> {
+        let middle = low + (high - low) / 2.0;
+        let (low, high) = match self.guard {
+            GuardBand::None if middle.is_finite() => (middle, middle),
+            _ => (low, high),
+        };
         let below = self.max.map(|max| max - high);
         let above = self.min.map(|min| low - min);
         match (below, above) {
@@ -130,11 +195,12 @@ impl UnseenReach {
         }
     }
 
-    fn widened(self, [low, high]: [f64; 2]) -> (f64, f64) {
+    fn widened(self, [low, high]: [JudgedEnd; 2]) -> [JudgedEnd; 2] {
+        let (least, most) = (JudgedEnd::At(f64::NEG_INFINITY), JudgedEnd::At(f64::INFINITY));
         match self {
-            UnseenReach::Anywhere => (f64::NEG_INFINITY, f64::INFINITY),
-            UnseenReach::Up => (low, f64::INFINITY),
-            UnseenReach::Down => (f64::NEG_INFINITY, high),
+            UnseenReach::Anywhere => [least, most],
+            UnseenReach::Up => [low, most],
+            UnseenReach::Down => [least, high],
         }
     }
 }
@@ -182,6 +248,7 @@ impl Gauge {
             }
         };
         let bounds = LimitNumbers::new(&measurement.limits, &info).map_err(NotJudged::NoMeaning)?;
+        let bounds = bounds.guarded(measurement.guard);
         let record = MeasurementRecord {
             name: measurement.name.clone(),
             unit: info.unit,
@@ -189,6 +256,7 @@ impl Gauge {
             max: bounds.max,
             nominal: bounds.nominal,
             tolerance: bounds.tolerance,
+            guard_band: measurement.guard,
             signal: measurement.signals().into_iter().next(),
             what: measurement.quantity.to_string(),
             line: measurement.line(),
@@ -313,14 +381,20 @@ pub(super) fn judge(
         return record;
     }
     record.margin = bounds.margin(low, high).map(|margin| Figure::new(margin, record.unit.clone()));
-    (record.verdict, record.reason) = match bounds.hold(low, high) {
+    let judged = bounds.judged(low, high);
+    (record.verdict, record.reason) = match bounds.hold(judged) {
         (true, false) => (Verdict::Pass, String::new()),
         (false, _) => {
-            let over = bounds.max.is_some_and(|max| low > max);
+            let over = bounds.max.is_some_and(|max| !judged[0].is_at_most(max));
             (Verdict::Fail, String::from(if over { "too large" } else { "too small" }))
         }
         (true, true) => (Verdict::Inconclusive, String::from("a limit lies within the uncertainty")),
     };
+    let proven = bounds.guarded(GuardBand::Uncertainty).hold([low, high].map(JudgedEnd::At));
+    if proven == (true, true) && record.verdict != Verdict::Inconclusive {
+        let sense = if record.verdict == Verdict::Pass { "accepted" } else { record.reason.as_str() };
+        record.reason = format!("{sense} by its middle: a limit lies within the uncertainty and `guard` is \"none\"");
+    }
     record
 }
 
@@ -338,10 +412,7 @@ fn with_unseen(
     why: String,
 ) -> MeasurementRecord {
     let (can_hold, can_break) = match record.value {
-        Some(value) => {
-            let (low, high) = reach.widened(value);
-            bounds.hold(low, high)
-        }
+        Some([low, high]) => bounds.hold(reach.widened(bounds.judged(low, high))),
         // Nothing was seen that could be measured.
         None => (true, false),
     };

@@ -18,7 +18,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use document::Diagnostic;
-use record::{MeasurementRecord, Verdict};
+use record::{GuardBand, MeasurementRecord, Verdict};
 use signal::{SignalInfo, Span, ValueKind};
 
 use crate::expect::FilePlace;
@@ -32,6 +32,7 @@ use crate::monitor::{CaseTimeline, NotJudged, PulseRule, TraceSignals, UnseenPul
 
 pub use gauge::Gauge;
 pub use read::{KEYS, read};
+pub(crate) use read::{GUARD, GUARDS, guard};
 
 /// What is measured.
 #[derive(Clone, Debug, PartialEq)]
@@ -254,6 +255,8 @@ pub struct Measurement {
     pub quantity: MeasuredQuantity,
     /// What it should be.
     pub limits: Arc<MeasurementLimits>,
+    /// How the uncertainty of its figure counts against them.
+    pub guard: GuardBand,
     /// `pulses-longer-than`; of a pulse train, that of its lines.
     pub longer_than: Option<Span>,
     /// Where it stands; `None` for a measurement that is in no plan file.
@@ -361,6 +364,7 @@ impl Measurement {
             reason: why.to_owned(),
             signal: self.signals().into_iter().next(),
             what: self.quantity.to_string(),
+            guard_band: self.guard,
             line: self.line(),
             ..MeasurementRecord::default()
         }

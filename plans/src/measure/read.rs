@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use document::{Data, Fields, KeySpec, KeyType};
+use record::GuardBand;
 use signal::Unit;
 
 use super::gauge::{LimitNumbers, time};
@@ -24,6 +25,20 @@ const EDGE_KEYS: &[KeySpec] = &[
         "Which edge; `changes` if left out",
     ),
 ];
+
+/// The key of the guard band, of a measurement and of a plan.
+pub(crate) const GUARD: &str = "guard";
+
+/// Its values.
+pub(crate) const GUARDS: &[&str] = &["uncertainty", "none"];
+
+/// What a table says of the guard band.
+pub(crate) fn guard(fields: &Fields<'_>) -> Option<GuardBand> {
+    Some(match fields.text(GUARD)? {
+        "none" => GuardBand::None,
+        _ => GuardBand::Uncertainty,
+    })
+}
 
 /// The keys of an entry of `measure`.
 pub const KEYS: &[KeySpec] = &[
@@ -89,16 +104,24 @@ pub const KEYS: &[KeySpec] = &[
         KeyType::Value,
         "How far from `nominal` is allowed, or which part of it, as in \"10 %\"",
     ),
+    KeySpec::optional(
+        GUARD,
+        KeyType::Choice(GUARDS),
+        "How its uncertainty counts against the limits: a guard band, or none; as the plan has it if left out",
+    ),
     LONGER,
     KeySpec::optional("rows", KeyType::List(&KeyType::Text), "The rows that measure it; all if left out"),
 ];
 
-/// Makes a measurement of a table that was held against [`KEYS`]. `rows` is the plan reader's. The caller
-/// fills in where it stands.
-pub fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Measurement> {
+/// Makes a measurement of a table that was held against [`KEYS`]. `rows` is the plan reader's; so is `default`, the
+/// guard band of those that name none. The caller fills in where it stands.
+pub fn read(fields: &Fields<'_>, default: GuardBand, cx: &mut ReadContext<'_>) -> Option<Measurement> {
     let quantity = quantity(fields, cx);
     let limits = limits(fields, cx);
     let (quantity, limits) = (quantity?, limits?);
+    if limits == MeasurementLimits::default() {
+        lacks(fields, &[GUARD], "a measurement without limits", cx)?;
+    }
     let own = match &quantity {
         MeasuredQuantity::Value { .. } => None,
         MeasuredQuantity::Between { .. } | MeasuredQuantity::ToEdge { .. } => Some("ns"),
@@ -120,6 +143,7 @@ pub fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Measurement
         name: fields.text("name")?.to_owned(),
         quantity,
         limits: Arc::new(limits),
+        guard: guard(fields).unwrap_or(default),
         longer_than: fields.duration(LONGER.name),
         place: None,
     })

@@ -4,6 +4,7 @@ use std::cell::RefCell;
 use std::sync::Arc;
 
 use document::{Diagnostic, Entry, Fields, Findings, Node, Table};
+use record::GuardBand;
 use signal::Span;
 
 use super::envelope::{self, EXPECTATION, EntryForm};
@@ -155,7 +156,8 @@ fn whole(
     let settled = if out.errors() > before { None } else { times::resolve(&mut steps, &written, ends, out) };
 
     let expectations = expectations(document, &lists.expect, &scope, out);
-    let measurements = measurements(document, &lists.measure, &scope, out);
+    let guard = measure::guard(&fields).unwrap_or_default();
+    let measurements = measurements(document, &lists.measure, guard, &scope, out);
     scope.enter(&Default::default(), out);
     if lists.expect.is_empty() && lists.measure.is_empty() && refusal.is_none() && !document.groups.is_empty()
     {
@@ -301,6 +303,12 @@ pub(super) fn expectation(
     names: &dyn PlanNames,
     out: &mut Findings,
 ) -> Option<Expectation> {
+    if let Some(guard) = guard_of_claim(node) {
+        let message = "a claim has no guard band: it is judged over all placements and has no figure of its own";
+        let help = "measure it: a table of `measure` with the limits and the `guard`";
+        out.error(codes::GUARD_BAND, guard.key_span.clone(), message, help);
+        return None;
+    }
     let verbs: Vec<&'static str> = expect::VERBS.iter().map(|verb| verb.name).collect();
     let (entry, own) = envelope::verb(node, form, &verbs, out)?;
     let entry = entry?;
@@ -324,6 +332,13 @@ pub(super) fn expectation(
     Some(Expectation { name, verb: verb.name, claim, place: None })
 }
 
+/// The key of a guard band beside the verb of a claim, or among the keys of the verb.
+fn guard_of_claim(node: &Node) -> Option<&Entry> {
+    let table = node.as_table()?;
+    let inner = table.entries.iter().filter_map(|entry| entry.node.as_table());
+    std::iter::once(table).chain(inner).find_map(|table| table.entry(measure::GUARD))
+}
+
 fn key_names(keys: &[document::KeySpec]) -> String {
     keys.iter().map(|key| key.name).collect::<Vec<_>>().join(", ")
 }
@@ -340,6 +355,7 @@ pub(super) fn place(document: &PlanDocument, node: &Node) -> FilePlace {
 fn measurements(
     document: &PlanDocument,
     here: &[PlacedEntry<'_>],
+    guard: GuardBand,
     scope: &CaseNames<'_>,
     out: &mut Findings,
 ) -> Vec<Measurement> {
@@ -356,7 +372,7 @@ fn measurements(
             continue;
         }
         let mut context = ReadContext { out, names: scope, place: node.span.clone() };
-        if let Some(mut measurement) = measure::read(&fields, &mut context) {
+        if let Some(mut measurement) = measure::read(&fields, guard, &mut context) {
             if !call.path.is_empty() {
                 measurement.name = format!("{}: {}", call.path, measurement.name);
             }

@@ -85,6 +85,11 @@ pub const PLAN_KEYS: &[KeySpec] = &[
     ),
     KeySpec::optional("measure", KeyType::List(&KeyType::Table(measure::KEYS)), "What is measured."),
     KeySpec::optional(
+        measure::GUARD,
+        KeyType::Choice(measure::GUARDS),
+        "How the uncertainty of what is measured counts against limits: a guard band, or none.",
+    ),
+    KeySpec::optional(
         "repeat",
         KeyType::Integer(1, 10_000),
         "How often each case runs, with what is left to chance drawn again; every turn has to pass.",

@@ -94,6 +94,25 @@ impl ClaimOrigin {
     }
 }
 
+/// How the uncertainty of a measured value counts against its limits (ISO 14253-1).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum GuardBand {
+    /// As a guard band on both sides of each limit: a value conforms where all of its interval does, it does not where
+    /// none of it does, and between them that is open.
+    #[default]
+    Uncertainty,
+    /// Not at all, which is simple acceptance: the middle of the interval is held against the limits as if it were exact.
+    None,
+}
+
+impl GuardBand {
+    /// Whether a verdict proves what it says.
+    pub fn is_uncertainty(&self) -> bool {
+        *self == GuardBand::Uncertainty
+    }
+}
+
 /// One measurement, judged against its limits if it has any.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -120,11 +139,15 @@ pub struct MeasurementRecord {
     /// Allowed distance from `nominal`.
     #[serde(with = "crate::number::option")]
     pub tolerance: Option<f64>,
+    /// How the uncertainty of the value counts against the limits.
+    #[serde(skip_serializing_if = "GuardBand::is_uncertainty")]
+    pub guard_band: GuardBand,
     /// What it came to; [`Verdict::None`] for a measurement without limits that was taken.
     pub verdict: Verdict,
     /// Why, in one sentence; empty for a plain pass.
     pub reason: String,
-    /// Distance to the nearest limit in the worst placement; negative where it is exceeded.
+    /// Distance to the nearest limit in the worst placement, without a guard band that of the middle of the value;
+    /// negative where it is exceeded.
     pub margin: Option<Figure>,
     /// `[earliest, latest]` of the first instant it was taken between, nanoseconds.
     pub from_ns: Option<[i64; 2]>,

@@ -26,7 +26,7 @@ mod verdict;
 pub use case::{
     CaseRecord, CaseStatus, FramesKept, Hashes, LogLine, MAX_LOG_LINES, Parameter, StepRecord, TaskFigures,
 };
-pub use claim::{Bounds, ClaimOrigin, ClaimRecord, MeasurementRecord, Window};
+pub use claim::{Bounds, ClaimOrigin, ClaimRecord, GuardBand, MeasurementRecord, Window};
 pub use compare::{
     COMPARISON_FORMAT, CaseChange, ClaimChange, Comparison, Erosion, Move, TextChange, Thresholds, compare,
 };
