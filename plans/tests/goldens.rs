@@ -201,7 +201,8 @@ impl Golden {
             }
             None => {
                 let fields = Fields::check(&entry, place, "measurement", measure::KEYS, cx.out);
-                let taken = measure::read(&fields, GuardBand::default(), &mut cx).filter(|_| !out.has_errors());
+                let taken =
+                    measure::read(&fields, GuardBand::default(), &mut cx).filter(|_| !out.has_errors());
                 let Some(taken) = taken else { panic!("{}: {:?}", self.title, out.into_vec()) };
                 scenario.measurements.push(taken);
             }

@@ -199,6 +199,7 @@ fn measurement(m: &MeasurementRecord) -> Value {
         ("unit", text(&m.unit)),
         ("min", number(min)),
         ("max", number(max)),
+        ("guard", text(if m.guard_band.is_uncertainty() { "" } else { "none" })),
         ("margin", figure(m.margin.as_ref())),
         ("reason", text(&m.reason)),
     ]);

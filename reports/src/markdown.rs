@@ -6,7 +6,7 @@
 use crate::brief::{self, DecidingResult};
 use crate::matrix;
 use crate::show::{self, ShownOutcome, clean, sign};
-use record::{CaseRecord, Figure, RunRecord, Totals, Verdict};
+use record::{CaseRecord, Figure, GuardBand, RunRecord, Totals, Verdict};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
@@ -84,6 +84,7 @@ fn head(page: &mut BoundedText, run: &RunRecord) {
     if run.host_ms > 0 {
         facts.push(format!("{}.{:01} s on the host", run.host_ms / 1000, run.host_ms % 1000 / 100));
     }
+    facts.extend(Some(show::unguarded(run)).filter(|said| !said.is_empty()));
     let counts = if counts.is_empty() { "No cases".to_owned() } else { counts.join(", ") };
     page.add(&format!(
         "## {} rig: {word}\n\n{counts} of {} cases; {}.\n",
@@ -190,7 +191,10 @@ fn margins(page: &mut BoundedText, run: &RunRecord) {
                     part: margin.value / half,
                     case,
                     name: &m.name,
-                    observed: show::value(m),
+                    observed: match m.guard_band {
+                        GuardBand::Uncertainty => show::value(m),
+                        GuardBand::None => format!("{}, guard none", show::value(m)),
+                    },
                     margin,
                 });
             }

@@ -1,6 +1,6 @@
 //! How names, verdicts and figures are written, the same in every report.
 
-use record::{CaseRecord, CaseStatus, Figure, MeasurementRecord, Statistics, Verdict};
+use record::{CaseRecord, CaseStatus, Figure, MeasurementRecord, RunRecord, Statistics, Verdict};
 use signal::{Span, Value};
 use std::borrow::Cow;
 
@@ -113,8 +113,31 @@ pub(crate) fn value(measurement: &MeasurementRecord) -> String {
     }
 }
 
-/// The limits of a measurement as the plan gave them; empty when it has none.
+/// The limits of a measurement as the plan gave them; empty when it has none. Where no guard band belongs to them they say so:
+/// `≤ 6 us, guard none`.
 pub(crate) fn limits(measurement: &MeasurementRecord) -> String {
+    let mut limits = bare_limits(measurement);
+    if !limits.is_empty() && !measurement.guard_band.is_uncertainty() {
+        limits.push_str(", guard none");
+    }
+    limits
+}
+
+/// Whether something was measured in a case whose limits have no guard band, so that a pass is accepted and not proven.
+pub(crate) fn is_unguarded(case: &CaseRecord) -> bool {
+    case.is_judged() && case.measurements.iter().any(|m| !m.guard_band.is_uncertainty())
+}
+
+/// How many cases of a run are like that, in words; empty for none.
+pub(crate) fn unguarded(run: &RunRecord) -> String {
+    match run.cases.iter().filter(|case| is_unguarded(case)).count() {
+        0 => String::new(),
+        1 => "1 case measured without a guard band".to_owned(),
+        n => format!("{n} cases measured without a guard band"),
+    }
+}
+
+fn bare_limits(measurement: &MeasurementRecord) -> String {
     let unit = &measurement.unit;
     match (measurement.nominal, measurement.tolerance, measurement.min, measurement.max) {
         (Some(nominal), Some(tolerance), ..) => {
@@ -153,6 +176,7 @@ fn figure(value: f64, unit: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use record::GuardBand;
 
     #[test]
     fn nothing_in_a_name_acts_on_a_terminal() {
@@ -173,6 +197,20 @@ mod tests {
         assert_eq!(shown([5.0, 5.0], "V"), "5 V");
         assert_eq!(shown([1e6, 2e6], "ns"), "1 ms .. 2 ms");
         assert_eq!(shown([1.0, f64::INFINITY], "V"), "1 V .. inf V");
+    }
+
+    #[test]
+    fn limits_say_that_they_have_no_guard_band() {
+        let mut taken = MeasurementRecord {
+            unit: "ns".into(),
+            guard_band: GuardBand::None,
+            ..MeasurementRecord::default()
+        };
+        assert_eq!(limits(&taken), "");
+        taken.max = Some(6_000.0);
+        assert_eq!(limits(&taken), "≤ 6 us, guard none");
+        taken.guard_band = GuardBand::Uncertainty;
+        assert_eq!(limits(&taken), "≤ 6 us");
     }
 
     #[test]

@@ -47,8 +47,8 @@ fn is_quiet(case: &CaseRecord) -> bool {
     !case.is_judged() || case.verdict == Verdict::Pass
 }
 
-/// One line, without its end: verdict, modelled time of the case in seconds, name; and the reason of a case
-/// that does not apply or was skipped.
+/// One line, without its end: verdict, modelled time of the case in seconds, name, and that a measurement has no guard band;
+/// and the reason of a case that does not apply or was skipped.
 pub fn case_line(case: &CaseRecord, style: Style) -> String {
     line_of(case, "", style)
 }
@@ -73,7 +73,8 @@ fn line_of(case: &CaseRecord, number: &str, style: Style) -> String {
     let name = clean(&case.name);
     let word = paint(&format!("{word:>12}"), outcome, style);
     if case.is_judged() {
-        format!("{word} [{:>10}] {number}{name}", seconds(case.duration_ns))
+        let guard = if show::is_unguarded(case) { " (guard none)" } else { "" };
+        format!("{word} [{:>10}] {number}{name}{guard}", seconds(case.duration_ns))
     } else {
         format!("{word} [{:>10}] {number}{name}: {}", "", clean(show::reason(case)))
     }
@@ -206,7 +207,9 @@ pub fn summary(run: &RunRecord, style: Style) -> String {
     let ran = run.totals.judged() + not_applicable;
     let planned = run.planned.max(ran + skipped);
     let part = if ran < planned { format!("; {ran} of {planned} planned cases ran") } else { String::new() };
-    format!("Summary: {}{part}", parts.join(", "))
+    let unguarded = Some(show::unguarded(run)).filter(|said| !said.is_empty());
+    let unguarded = unguarded.map_or(String::new(), |said| format!("; {said}"));
+    format!("Summary: {}{part}{unguarded}", parts.join(", "))
 }
 
 /// What of each source file ran: statements, branches, the lines that were missed. Ends with a line end.

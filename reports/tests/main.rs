@@ -2,5 +2,6 @@
 
 mod fixture;
 mod golden;
+mod guards;
 mod html;
 mod markup;

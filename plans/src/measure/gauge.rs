@@ -393,7 +393,8 @@ pub(super) fn judge(
     let proven = bounds.guarded(GuardBand::Uncertainty).hold([low, high].map(JudgedEnd::At));
     if proven == (true, true) && record.verdict != Verdict::Inconclusive {
         let sense = if record.verdict == Verdict::Pass { "accepted" } else { record.reason.as_str() };
-        record.reason = format!("{sense} by its middle: a limit lies within the uncertainty and `guard` is \"none\"");
+        record.reason =
+            format!("{sense} by its middle: a limit lies within the uncertainty and `guard` is \"none\"");
     }
     record
 }

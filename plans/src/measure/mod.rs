@@ -31,8 +31,8 @@ use crate::monitor::jitter::JitterQuery;
 use crate::monitor::{CaseTimeline, NotJudged, PulseRule, TraceSignals, UnseenPulses};
 
 pub use gauge::Gauge;
-pub use read::{KEYS, read};
 pub(crate) use read::{GUARD, GUARDS, guard};
+pub use read::{KEYS, read};
 
 /// What is measured.
 #[derive(Clone, Debug, PartialEq)]

@@ -304,7 +304,8 @@ pub(super) fn expectation(
     out: &mut Findings,
 ) -> Option<Expectation> {
     if let Some(guard) = guard_of_claim(node) {
-        let message = "a claim has no guard band: it is judged over all placements and has no figure of its own";
+        let message =
+            "a claim has no guard band: it is judged over all placements and has no figure of its own";
         let help = "measure it: a table of `measure` with the limits and the `guard`";
         out.error(codes::GUARD_BAND, guard.key_span.clone(), message, help);
         return None;

@@ -48,6 +48,10 @@ const measured = (m) => {
 
 const given = (value) => value !== null && value !== undefined;
 const limits = (m) => {
+  const limits = bareLimits(m);
+  return limits && m.guard_band === "none" ? `${limits}, guard none` : limits;
+};
+const bareLimits = (m) => {
   if (given(m.nominal) && given(m.tolerance)) return `${figure(m.nominal, m.unit)} ± ${figure(m.tolerance, m.unit)}`;
   if (given(m.min) && given(m.max)) return `${figure(m.min, m.unit)} .. ${figure(m.max, m.unit)}`;
   if (given(m.min)) return `≥ ${figure(m.min, m.unit)}`;
