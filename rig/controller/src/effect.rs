@@ -20,6 +20,20 @@ pub enum Effect {
         value: Value,
         /// Who wrote it.
         cause: Cause,
+        /// By how much it may have changed earlier: not at all but with [`crate::Config::worst_case`].
+        early: Span,
+    },
+    /// An output may have shown a pulse of which the model has none: a command was taken back before its edge came out. Only
+    /// with [`crate::Config::worst_case`].
+    Unsettled {
+        /// When it certainly shows again what it did before.
+        at: Time,
+        /// Which one.
+        terminal: Terminal,
+        /// By how much earlier it may have left that.
+        left: Span,
+        /// By how much earlier it may have come back to it.
+        back: Span,
     },
     /// An output terminal pulses until it changes, without an edge being reported: [`crate::Controller::offload_pulses`]. Where it
     /// pulses already, from the end of its period on.

@@ -11,7 +11,7 @@ use crate::memory::Memory;
 use crate::state::State;
 use crate::terminal::Terminal;
 use profile::{IoChannel, IoStatus};
-use signal::{Address, Area, Cause, Time, Value};
+use signal::{Address, Area, Cause, Span, Time, Value};
 use std::fmt;
 
 /// A channel of a module and its place in the images: a bit for a digital channel, a word for an analogue one.
@@ -105,7 +105,7 @@ impl OutputChanges<'_> {
     /// The terminal of an output shows another value from `at` on.
     pub fn push(&mut self, at: Time, output: usize, value: Value, cause: Cause) {
         let terminal = Terminal { module: self.module, channel: IoChannel::Output(output) };
-        self.report(Effect::Terminal { at, terminal, value, cause });
+        self.report(Effect::Terminal { at, terminal, value, cause, early: Span::ZERO });
     }
 
     /// What only the embedded outputs do.

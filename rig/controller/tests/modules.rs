@@ -3,7 +3,7 @@
 use crate::support::*;
 use profile::{IoChannel, IoStatus};
 use scanrig_controller::*;
-use signal::{Address, Cause, Time, Value};
+use signal::{Address, Cause, Span, Time, Value};
 
 /// From what is at an input to its conversion, and from a command to the output.
 const CONVERSION: i64 = 5_000;
@@ -215,6 +215,7 @@ fn an_analogue_value_goes_through_the_images() {
         terminal: output,
         value: Value::Int(4_711),
         cause: Cause::Controller,
+        early: Span::ZERO,
     };
     assert!(rig.seen.contains(&shown), "{:?}", rig.seen);
     assert_eq!(rig.plc.read(&Probe::Terminal(output)), Value::Int(4_711));

@@ -3,7 +3,7 @@
 use crate::support::*;
 use profile::{ChannelSet, InputFilter, IoChannel, Profile};
 use scanrig_controller::*;
-use signal::{Cause, Level, Value};
+use signal::{Cause, Level, Span, Value};
 
 /// Once a cycle: Q4 from %MX2.0, which is 1; Q5 from I0; Q6 to 0.
 fn script() -> Script {
@@ -219,6 +219,7 @@ fn inputs_are_read_at_the_start_of_cycles() {
         terminal: Terminal::output(5),
         value: Value::Bool(true),
         cause: Cause::Program { task: 0, file: 0, line: 2 },
+        early: Span::ZERO,
     };
     assert!(rig.seen.contains(&edge));
 }

@@ -396,7 +396,8 @@ fn the_second_port_writes_in_its_own_name() {
     rig.to(run_at(ms(13)));
     rig.to(run_at(ms(31)));
     let (terminal, value) = (Terminal::output(0), Value::Bool(true));
-    let driven = Effect::Terminal { at: run_at(ms(30) + us(2)), terminal, value, cause: Cause::Port(1) };
+    let (at, cause) = (run_at(ms(30) + us(2)), Cause::Port(1));
+    let driven = Effect::Terminal { at, terminal, value, cause, early: Span::ZERO };
     assert!(rig.seen.contains(&driven), "{:?}", rig.seen);
     for (probe, value) in [(bit, Value::Bool(true)), (word, Value::Word(1))] {
         let written = Effect::Changed { at: run_at(us(12_100)), probe, value, cause: Cause::Port(1) };

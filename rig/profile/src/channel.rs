@@ -53,6 +53,9 @@ pub struct EmbeddedOutput {
     pub on_delay: Span,
     /// From the write of a 0 to the edge at the terminal (io:STD-OUT-01).
     pub off_delay: Span,
+    /// Both delays are the most that an edge takes, as product data of transistors say it; that of relays is an assumption
+    /// (io:STD-OUT-01).
+    pub at_most: bool,
 }
 
 /// The embedded inputs in the order of their numbers: fast ones first (io:REF-07).
@@ -81,7 +84,7 @@ pub fn outputs(reference: &Reference) -> impl Iterator<Item = EmbeddedOutput> + 
         } else {
             (OutputKind::Transistor, Span::from_micros(34), Span::from_micros(250))
         };
-        EmbeddedOutput { index, byte, bit, kind, on_delay, off_delay }
+        EmbeddedOutput { index, byte, bit, kind, on_delay, off_delay, at_most: kind != OutputKind::Relay }
     })
 }
 
@@ -173,6 +176,7 @@ mod tests {
         assert_eq!(outputs(relay).filter(|output| output.kind == OutputKind::Fast).count(), 4);
         let last = outputs(relay).last().unwrap();
         assert_eq!((last.kind, last.on_delay), (OutputKind::Relay, Span::from_millis(10)));
+        assert!(!last.at_most && outputs(relay).next().is_some_and(|fast| fast.at_most));
         let transistor = outputs(Reference::find("TM241C24U").unwrap()).nth(4).unwrap();
         assert_eq!(
             (transistor.on_delay, transistor.off_delay),

@@ -70,12 +70,14 @@ pub enum SignalGap {
     Below,
     /// At the upper end of the input's range, where there may be more.
     Above,
+    /// A command of an output was taken back, or the case ended, within the delay of the output: its edge may have come out.
+    Delay,
 }
 
 impl SignalGap {
     /// Each of them.
-    pub const ALL: [SignalGap; 4] =
-        [SignalGap::OpenWire, SignalGap::Failed, SignalGap::Below, SignalGap::Above];
+    pub const ALL: [SignalGap; 5] =
+        [SignalGap::OpenWire, SignalGap::Failed, SignalGap::Below, SignalGap::Above, SignalGap::Delay];
 }
 
 impl fmt::Display for SignalGap {
@@ -86,6 +88,7 @@ impl fmt::Display for SignalGap {
             SignalGap::Failed => "its sensor fails or its wire is shorted",
             SignalGap::Below => "at the lower end of its range there may be less",
             SignalGap::Above => "at the upper end of its range there may be more",
+            SignalGap::Delay => "within the delay of its output an edge may have come out",
         })
     }
 }

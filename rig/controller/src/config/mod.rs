@@ -48,6 +48,8 @@ pub struct Config {
     pub minimize_jitter: bool,
     /// The CANopen manager produces or consumes SYNC: CAN Sync can start a task (controller:TASK-42).
     pub can_sync: bool,
+    /// Edges of outputs whose delays are documented as maxima say by how much they may have come earlier (io:STD-OUT-01).
+    pub worst_case: bool,
     /// A programming tool is connected when the power comes on (controller:FRC-01).
     pub tool_connected: bool,
     /// Starting mode (controller:DEV-10).
@@ -84,6 +86,7 @@ impl Config {
             rearming: Rearming::default(),
             minimize_jitter: false,
             can_sync: false,
+            worst_case: false,
             tool_connected: true,
             starting_mode: StartingMode::default(),
             watchdog_basis: WatchdogBasis::default(),

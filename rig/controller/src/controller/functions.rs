@@ -19,6 +19,12 @@ impl Controller {
         self.io.offload_pulses(outputs.collect());
     }
 
+    /// Reports at `now`, the end of what is looked at, the embedded outputs whose edges are still to come and may be there
+    /// already: [`crate::Effect::Unsettled`], only with [`crate::Config::worst_case`].
+    pub fn report_unsettled(&mut self, now: Time, fx: &mut Effects) {
+        self.io.report_unsettled(now, fx);
+    }
+
     /// So many edges at terminal I`input` are known to be missing before `now`: an expert function that counts them is off by
     /// up to so many, and says so (io:STD-HSC-16).
     pub fn report_missed_edges(&mut self, now: Time, input: usize, edges: u32) {

@@ -12,6 +12,7 @@ pub use forced::ForcedChannels;
 pub(crate) use input::InputEvent;
 
 use crate::config::{Config, OutputsInStop};
+use crate::effect::Effects;
 use crate::memory::Memory;
 use crate::module::ModuleChannel;
 use crate::probe::{InputProbe, OutputState};
@@ -117,7 +118,7 @@ impl EmbeddedIo {
             defaults: embedded::default_outputs(&channels),
             channels,
             inputs: Inputs::new(config),
-            outputs: Outputs::new(profile::outputs(config.reference)),
+            outputs: Outputs::new(profile::outputs(config.reference), config.worst_case),
             functions: Functions::new(config),
             protection: Protection::new(config.reference, config.rearming),
             forced_inputs: ForcedChannels::default(),
@@ -441,6 +442,11 @@ impl EmbeddedIo {
 
     fn command_wave(&mut self, at: Time, output: u8, period: Span, high: Span) {
         self.outputs.pulse(at, output.into(), period, high);
+    }
+
+    /// Reports at `now` what faster stages may have shown of the edges to come.
+    pub(crate) fn report_unsettled(&mut self, now: Time, fx: &mut Effects) {
+        self.outputs.report_unsettled(now, |effect| fx.push(effect));
     }
 
     /// Whether the functions do something else in this state than what they do now.

@@ -20,13 +20,46 @@ enum Shown {
 struct OutputTerminal {
     on_delay: Span,
     off_delay: Span,
+    /// The delays are maxima, and what a faster stage may have shown is reported.
+    at_most: bool,
     shown: Shown,
     /// What is to come and when, while they differ.
     next: Shown,
     at: Time,
+    /// When that was commanded.
+    since: Time,
     cause: Cause,
+    /// A command that was taken back, of which a faster stage may have shown a pulse.
+    taken_back: Option<TakenBack>,
     /// The pulses that are commanded, where they are.
     wave: Shown,
+}
+
+/// When a command came that was taken back before its edge came out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct TakenBack {
+    /// The command, of several the first one.
+    since: Time,
+    /// The command that took it back, of several the last one.
+    back: Time,
+}
+
+impl OutputTerminal {
+    /// Something else is commanded at `now`, whatever was: an edge that has not come out may have come out of a faster
+    /// stage.
+    fn take_back(&mut self, now: Time) {
+        if self.at_most && self.next != self.shown {
+            let since = self.taken_back.map_or(self.since, |before| before.since);
+            self.taken_back = Some(TakenBack { since, back: now });
+        }
+    }
+
+    /// What a faster stage may have shown up to `at`.
+    fn unsettled(&mut self, output: usize, at: Time) -> Option<Effect> {
+        let TakenBack { since, back } = self.taken_back.take()?;
+        let terminal = Terminal::output(output);
+        Some(Effect::Unsettled { at, terminal, left: at - since, back: at - back })
+    }
 }
 
 /// All embedded outputs.
@@ -48,8 +81,8 @@ pub(super) struct Outputs {
 }
 
 impl Outputs {
-    /// Outputs in hardware initialization values.
-    pub(super) fn new(outputs: impl Iterator<Item = EmbeddedOutput>) -> Outputs {
+    /// Outputs in hardware initialization values. With `worst_case` they report by how much edges may have come earlier.
+    pub(super) fn new(outputs: impl Iterator<Item = EmbeddedOutput>, worst_case: bool) -> Outputs {
         let mut floating = ChannelSet::EMPTY;
         let terminals = outputs
             .map(|output| {
@@ -59,9 +92,12 @@ impl Outputs {
                 OutputTerminal {
                     on_delay: output.on_delay,
                     off_delay: output.off_delay,
+                    at_most: worst_case && output.at_most,
                     shown,
                     next: shown,
                     at: Time::MAX,
+                    since: Time::MAX,
+                    taken_back: None,
                     cause: Cause::Controller,
                     wave: shown,
                 }
@@ -160,15 +196,27 @@ impl Outputs {
                 false if self.pulsing.contains(output) => terminal.wave,
                 false => Shown::Level(Level::from_bool(self.on.contains(output))),
             };
+            let delay = match (cut, shown) {
+                (true, _) => Span::ZERO,
+                (false, Shown::Level(Level::High) | Shown::Wave { .. }) => terminal.on_delay,
+                (false, _) => terminal.off_delay,
+            };
+            if shown != terminal.next {
+                terminal.take_back(now);
+            }
             if shown == terminal.shown {
+                if terminal.taken_back.is_none() {
+                    self.pending.remove(output);
+                } else if shown != terminal.next || cut {
+                    // What the stage may have shown is over when the edge back would be out.
+                    terminal.at = now.saturating_add(delay);
+                }
                 terminal.next = shown;
-                self.pending.remove(output);
             } else if shown != terminal.next || cut {
-                let delay = match (cut, shown) {
-                    (true, _) => Span::ZERO,
-                    (false, Shown::Level(Level::High) | Shown::Wave { .. }) => terminal.on_delay,
-                    (false, _) => terminal.off_delay,
-                };
+                // An edge that was on its way before protection hastened it may have come already.
+                if shown != terminal.next {
+                    terminal.since = now;
+                }
                 (terminal.next, terminal.at, terminal.cause) =
                     (shown, now.saturating_add(delay), cause(output));
                 self.pending.insert(output);
@@ -190,6 +238,17 @@ impl Outputs {
         self.first
     }
 
+    /// Reports at `now`, after which nothing comes any more, what faster stages may have shown of the edges to come.
+    pub(super) fn report_unsettled(&mut self, now: Time, mut report: impl FnMut(Effect)) {
+        for output in self.pending {
+            let terminal = &mut self.terminals[output];
+            terminal.take_back(now);
+            if let Some(unsettled) = terminal.unsettled(output, now) {
+                report(unsettled);
+            }
+        }
+    }
+
     /// The edges due at `now` come out.
     pub(super) fn fire(&mut self, now: Time, mut report: impl FnMut(Effect)) {
         if self.first > now {
@@ -198,13 +257,20 @@ impl Outputs {
         for output in self.pending {
             let terminal = &mut self.terminals[output];
             if terminal.at <= now {
-                terminal.shown = terminal.next;
+                let changed = std::mem::replace(&mut terminal.shown, terminal.next) != terminal.next;
                 self.pending.remove(output);
                 let (at, cause) = (terminal.at, terminal.cause);
+                if let Some(unsettled) = terminal.unsettled(output, at) {
+                    report(unsettled);
+                }
+                if !changed {
+                    continue;
+                }
                 report(match terminal.shown {
                     Shown::Level(level) => {
+                        let early = if terminal.at_most { at - terminal.since } else { Span::ZERO };
                         let (terminal, value) = (Terminal::output(output), Value::from(level));
-                        Effect::Terminal { at, terminal, value, cause }
+                        Effect::Terminal { at, terminal, value, cause, early }
                     }
                     Shown::Wave { period, high } => Effect::Wave { at, output, period, high, cause },
                 });
@@ -221,7 +287,11 @@ mod tests {
     use profile::{Profile, Reference};
 
     fn outputs(name: &str) -> Outputs {
-        Outputs::new(profile::outputs(Reference::find(name).unwrap()))
+        Outputs::new(profile::outputs(Reference::find(name).unwrap()), false)
+    }
+
+    fn worst_case(name: &str) -> Outputs {
+        Outputs::new(profile::outputs(Reference::find(name).unwrap()), true)
     }
 
     fn us(n: i64) -> Time {
@@ -309,5 +379,84 @@ mod tests {
         out.drive(us(50), ChannelSet::of(4), ChannelSet::ALL, &memory);
         assert_eq!(out.next(), us(84), "the delay starts again");
         assert!(fx.list.is_empty());
+    }
+
+    fn fired(out: &mut Outputs, at: i64) -> Vec<Effect> {
+        let mut list = Vec::new();
+        out.fire(us(at), |effect| list.push(effect));
+        list
+    }
+
+    fn edge(output: usize, at: i64, level: Level, early: i64) -> Effect {
+        let (terminal, value, cause) = (Terminal::output(output), Value::from(level), Cause::Unknown);
+        Effect::Terminal { at: us(at), terminal, value, cause, early: Span::from_micros(early) }
+    }
+
+    fn unsettled(output: usize, at: i64, left: i64, back: i64) -> Effect {
+        let [left, back] = [left, back].map(Span::from_micros);
+        Effect::Unsettled { at: us(at), terminal: Terminal::output(output), left, back }
+    }
+
+    // io:STD-OUT-01
+    #[test]
+    fn an_edge_whose_delay_is_a_maximum_may_come_from_its_command_on() {
+        let (mut out, memory) = (worst_case("TM241CEC24T"), Memory::new(Profile::default()));
+        out.drive(us(0), ChannelSet::of(4), ChannelSet::of(4), &memory);
+        assert_eq!(fired(&mut out, 34), [edge(4, 34, Level::High, 34)]);
+        out.drive(us(100), ChannelSet::EMPTY, ChannelSet::of(4), &memory);
+        assert_eq!(fired(&mut out, 350), [edge(4, 350, Level::Low, 250)]);
+        let mut relay = worst_case("TM241CEC24R");
+        relay.drive(us(0), ChannelSet::of(4), ChannelSet::of(4), &memory);
+        assert_eq!(fired(&mut relay, 10_000), [edge(4, 10_000, Level::High, 0)], "an assumption is exact");
+        let mut exact = outputs("TM241CEC24T");
+        exact.drive(us(0), ChannelSet::of(4), ChannelSet::of(4), &memory);
+        assert_eq!(fired(&mut exact, 34), [edge(4, 34, Level::High, 0)]);
+    }
+
+    // io:OUT-06
+    #[test]
+    fn protection_acts_at_once_in_the_worst_case_too() {
+        let (mut out, memory) = (worst_case("TM241CEC24T"), Memory::new(Profile::default()));
+        out.drive(us(0), ChannelSet::of(4), ChannelSet::of(4), &memory);
+        fired(&mut out, 34);
+        out.cut(us(100), ChannelSet::of(4));
+        let Effect::Terminal { at, early, .. } = fired(&mut out, 100)[0] else { panic!("no edge") };
+        assert_eq!((at, early), (us(100), Span::ZERO));
+        out.cut(us(200), ChannelSet::EMPTY);
+        out.cut(us(210), ChannelSet::of(4));
+        assert_eq!(fired(&mut out, 210), [unsettled(4, 210, 10, 0)], "off again before it was on");
+        assert_eq!(out.next(), Time::MAX);
+    }
+
+    #[test]
+    fn a_command_taken_back_may_have_left_a_pulse() {
+        let (mut out, memory) = (worst_case("TM241CEC24T"), Memory::new(Profile::default()));
+        let set = |out: &mut Outputs, at: i64, on: bool| {
+            let on = if on { ChannelSet::of(4) } else { ChannelSet::EMPTY };
+            out.drive(us(at), on, ChannelSet::of(4), &memory);
+        };
+        set(&mut out, 0, true);
+        set(&mut out, 10, false);
+        assert_eq!(
+            (out.next(), out.level(4)),
+            (us(260), Some(Level::Low)),
+            "over when it is off for certain"
+        );
+        assert_eq!(fired(&mut out, 260), [unsettled(4, 260, 260, 250)]);
+        assert_eq!(out.next(), Time::MAX);
+        // Taken back twice, then not any more: one stretch, and the edge after it.
+        set(&mut out, 1_000, true);
+        set(&mut out, 1_010, false);
+        set(&mut out, 1_020, true);
+        set(&mut out, 1_030, false);
+        set(&mut out, 1_050, true);
+        assert_eq!(fired(&mut out, 1_083), []);
+        assert_eq!(fired(&mut out, 1_084), [unsettled(4, 1_084, 84, 54), edge(4, 1_084, Level::High, 34)]);
+        // What is to come when the case ends may be there already.
+        set(&mut out, 2_000, false);
+        let mut list = Vec::new();
+        out.report_unsettled(us(2_100), |effect| list.push(effect));
+        assert_eq!(list, [unsettled(4, 2_100, 100, 0)]);
+        assert_eq!(fired(&mut out, 2_250), [edge(4, 2_250, Level::Low, 250)]);
     }
 }

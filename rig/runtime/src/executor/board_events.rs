@@ -4,8 +4,9 @@ use super::Executor;
 use super::real_lines::InputChange;
 use crate::executor::rig_fault::RigFault;
 use crate::wiring::WiredInput;
+use controller::{Effect, Effects, Terminal};
 use drivers::{BoardEvent, ChannelKind, LossReason, Origin};
-use signal::{Cause, Value, When};
+use signal::{Cause, SignalGap, Span, Time, Value, When};
 
 impl Executor<'_> {
     /// What the board saw up to now goes to the trace and to the subject's inputs.
@@ -23,6 +24,33 @@ impl Executor<'_> {
         self.poll_buses(now)?;
         // A line may have shown the subject's state.
         self.apply()
+    }
+
+    /// An output may have left its level in a way that the model does not have, `left` before `at`, and come back `back` before
+    /// `at` or later. Only the trace has it: what the rig does goes by the model.
+    pub(super) fn record_unsettled(&mut self, at: Time, terminal: Terminal, left: Span, back: Span) {
+        let Some(channel) = self.parts.wiring.channel_of(terminal) else { return };
+        let place = usize::from(channel.0);
+        let (left, back) = (at.saturating_add(-left), at.saturating_add(-back));
+        for signal in &self.parts.wiring.channels[place] {
+            let before = self.parts.recorder.trace().last(*signal).map(|event| event.value);
+            let Some(value) = before.filter(|value| *value != Value::Unknown) else { continue };
+            let cause = Cause::Gap(SignalGap::Delay);
+            self.parts.recorder.record(*signal, When::exactly(left), Value::Unknown, cause);
+            let cause = self.parts.wiring.writers[place];
+            self.parts.recorder.record(*signal, When::within(back, at), value, cause);
+        }
+    }
+
+    /// At the end of the case: edges that are still to come in the model may be there already.
+    pub(super) fn record_unsettled_at_end(&mut self) {
+        let mut effects = Effects::default();
+        self.parts.subject.report_unsettled(self.now, &mut effects);
+        for effect in effects.list {
+            if let Effect::Unsettled { at, terminal, left, back } = effect {
+                self.record_unsettled(at, terminal, left, back);
+            }
+        }
     }
 
     fn see(&mut self, event: &BoardEvent) {

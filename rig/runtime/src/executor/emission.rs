@@ -8,7 +8,7 @@ use controller::Terminal;
 use drivers::{BoardExt, Channel, ChannelId, Emission, Origin};
 use plans::steps::CasePart;
 use profile::IoChannel;
-use signal::{Cause, Time, Value, When};
+use signal::{Cause, Span, Time, Value, When};
 
 /// The embedded outputs of the subject at which a channel makes waves without end.
 pub(super) fn offloaded_outputs(wiring: &Wiring, channels: &[Channel]) -> Vec<IoChannel> {
@@ -101,7 +101,7 @@ impl Executor<'_> {
     ) -> Result<(), RigFault> {
         let Some(channel) = self.parts.wiring.channel_of(Terminal::output(output)) else { return Ok(()) };
         self.parts.wiring.writers[usize::from(channel.0)] = cause;
-        self.lines.wrote(channel, at, self.actual);
+        self.lines.wrote(channel, at, self.actual, Span::ZERO);
         let at = self.board_time();
         self.parts.board.emit(at, channel, emission).map_err(|error| RigFault::Board { at, error })
     }

@@ -267,6 +267,7 @@ impl<'a> Executor<'a> {
         if let Err(fault) = outcome {
             self.report.fault.get_or_insert(fault);
         }
+        self.record_unsettled_at_end();
         self.report.end = self.now;
         let mark = self.seen(self.now);
         self.ended = Some((self.board_time(), mark.latest));
@@ -386,12 +387,15 @@ impl<'a> Executor<'a> {
         for index in 0..self.buffers.spare.len() {
             let effect = self.buffers.spare[index];
             match effect {
-                Effect::Terminal { at, terminal, value, cause } => {
+                Effect::Terminal { at, terminal, value, cause, early } => {
                     let Some(channel) = self.parts.wiring.channel_of(terminal) else { continue };
                     self.parts.wiring.writers[usize::from(channel.0)] = cause;
-                    self.lines.wrote(channel, at, self.actual);
+                    self.lines.wrote(channel, at, self.actual, early);
                     self.keep_edge(channel, value)?;
                     self.buffers.writes.push((channel, value));
+                }
+                Effect::Unsettled { at, terminal, left, back } => {
+                    self.record_unsettled(at, terminal, left, back);
                 }
                 Effect::Wave { at, output, period, high, cause } => {
                     let emission = Emission::Square { period, high };

@@ -54,12 +54,15 @@ pub(super) struct RealLines {
     wrote: Vec<Time>,
     /// How late what it wrote reached its lines at worst.
     late_outputs: Span,
+    /// By how much what it wrote to each channel last may have come earlier, and whether that is on the line.
+    early: Vec<(Span, bool)>,
 }
 
 impl RealLines {
     /// For so many channels of modelled lines, which nothing is late on.
     pub(super) fn modelled(channels: usize) -> RealLines {
-        RealLines { counts: vec![0; channels], ..RealLines::default() }
+        let early = vec![(Span::ZERO, true); channels];
+        RealLines { counts: vec![0; channels], early, ..RealLines::default() }
     }
 
     /// For so many channels.
@@ -78,9 +81,13 @@ impl RealLines {
         self.pending.front().map(|pending| pending.at.latest)
     }
 
-    /// The subject wrote a channel at this instant, and the rig was at the other one by then.
-    pub(super) fn wrote(&mut self, channel: ChannelId, at: Time, actual: Time) {
+    /// The subject wrote a channel at this instant, or by so much earlier, and the rig was at the other one by then.
+    pub(super) fn wrote(&mut self, channel: ChannelId, at: Time, actual: Time, early: Span) {
         let place = usize::from(channel.0);
+        if let Some((known, reached)) = self.early.get_mut(place) {
+            // What was written before and is still on its way has the wider one, too.
+            *known = if std::mem::take(reached) { early } else { early.max(*known) };
+        }
         if let (Some(lag), Some(wrote)) = (self.lag.get_mut(place), self.wrote.get_mut(place)) {
             *lag = actual - at;
             *wrote = at;
@@ -90,6 +97,9 @@ impl RealLines {
 
     /// What was written to a channel last is on its line.
     pub(super) fn reached(&mut self, channel: ChannelId, at: Time, origin: Origin) {
+        if let (Origin::Write, Some((_, reached))) = (origin, self.early.get_mut(usize::from(channel.0))) {
+            *reached = true;
+        }
         if let (Origin::Write, Some(wrote)) = (origin, self.wrote.get(usize::from(channel.0))) {
             self.late_outputs = self.late_outputs.max(at - *wrote);
         }
@@ -245,7 +255,10 @@ impl Executor<'_> {
     }
 
     fn widened(&self, at: When, channel: ChannelId, origin: Origin) -> When {
-        let early = self.parts.wiring.early.get(usize::from(channel.0)).copied().unwrap_or(Span::ZERO);
+        let place = usize::from(channel.0);
+        let of_stage = self.lines.early.get(place).filter(|_| origin == Origin::Write);
+        let early = self.parts.wiring.early.get(place).copied().unwrap_or(Span::ZERO)
+            + of_stage.map_or(Span::ZERO, |(early, _)| *early);
         let at = When { earliest: at.earliest.saturating_add(-early), ..at };
         if self.parts.clock.is_exact() {
             return at;

@@ -144,7 +144,7 @@ impl SoftPlc {
                         self.alarm = alarm;
                         let (terminal, value) = (Terminal::output(self.places.alarm()), Value::Bool(alarm));
                         let (at, cause) = (self.own(at), Cause::Controller);
-                        effects.list.push(Effect::Terminal { at, terminal, value, cause });
+                        effects.list.push(Effect::Terminal { at, terminal, value, cause, early: Span::ZERO });
                     }
                     self.settle(now.max(at), state, effects);
                 }
@@ -177,6 +177,7 @@ impl SoftPlc {
 fn instant(effect: &mut Effect) -> &mut Time {
     match effect {
         Effect::Terminal { at, .. }
+        | Effect::Unsettled { at, .. }
         | Effect::Wave { at, .. }
         | Effect::PeriodRestarted { at, .. }
         | Effect::PortOutput { at, .. }

@@ -117,7 +117,13 @@ impl ExternalController {
     /// Puts one of its lines to a level.
     fn put(at: Time, output: usize, on: bool, effects: &mut Effects) {
         let (terminal, cause) = (Terminal::output(output), Cause::Controller);
-        effects.list.push(Effect::Terminal { at, terminal, value: Value::Bool(on), cause });
+        effects.list.push(Effect::Terminal {
+            at,
+            terminal,
+            value: Value::Bool(on),
+            cause,
+            early: Span::ZERO,
+        });
     }
 
     fn switch_supply(&mut self, now: Time, on: bool, effects: &mut Effects) {

@@ -86,6 +86,10 @@ pub trait Subject: Send {
     /// The rig has something to say that is no part of what it judges: a device was lost, or is back.
     fn notice(&mut self, at: Time, text: &str);
 
+    /// Reports at `now`, the end of a case, which edges of its outputs are still to come and may be there already. Only of
+    /// a model in its worst case.
+    fn report_unsettled(&mut self, _now: Time, _effects: &mut Effects) {}
+
     /// How it comes into the state in which a case begins, where that is more than to switch it on.
     fn startup(&mut self) -> Option<&mut dyn Startup> {
         self.inner_mut()?.startup()

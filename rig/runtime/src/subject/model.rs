@@ -179,6 +179,10 @@ impl Subject for ModelledController {
     // Who reads its log has that of the rig too.
     fn notice(&mut self, _at: Time, _text: &str) {}
 
+    fn report_unsettled(&mut self, now: Time, effects: &mut Effects) {
+        self.controller.report_unsettled(now, effects);
+    }
+
     fn catalogue(&self) -> Option<&Catalogue> {
         Some(&self.catalogue)
     }

@@ -132,6 +132,7 @@ impl CodecState {
                         SignalGap::Failed => 1,
                         SignalGap::Below => 2,
                         SignalGap::Above => 3,
+                        SignalGap::Delay => 4,
                     });
                 }
                 Cause::Port(port) => {
