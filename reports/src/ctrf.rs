@@ -151,6 +151,7 @@ fn test(case: &CaseRecord) -> Value {
         ("title", text(&case.title)),
         ("modelledNs", json!(case.duration_ns)),
         ("seed", json!(case.seed)),
+        ("model", text(&case.model)),
         ("traceSha256", text(&case.trace_sha256)),
     ]);
     Value::Object(object([

@@ -97,7 +97,8 @@ pub fn details(case: &CaseRecord, style: Style) -> String {
     for measurement in case.measurements.iter().filter(attention) {
         measurement_details(&mut out, case, measurement, style);
     }
-    let origin = format!("{}seed {}, {}", place(case, 0, ", "), case.seed, clean(&case.profile));
+    let model = if case.model.is_empty() { String::new() } else { format!(", model {}", clean(&case.model)) };
+    let origin = format!("{}seed {}, {}{model}", place(case, 0, ", "), case.seed, clean(&case.profile));
     line(&mut out, 2, "case", origin.trim_end_matches([',', ' ']));
     out
 }

@@ -15,7 +15,9 @@ use super::read::PlanDocument;
 use super::settings::SETTINGS_KEYS;
 use super::step::{StepReader, step_names};
 use super::variants::{Variant, show};
-use super::{Case, ExpectedRefusal, PlanSettings, check, facts, global_checks, refusal, settings, times};
+use super::{
+    Case, DelayModel, ExpectedRefusal, PlanSettings, check, facts, global_checks, refusal, settings, times,
+};
 use crate::codes;
 use crate::expect::{self, Expectation, FilePlace, ReadContext};
 use crate::lang::{Anchor, Bindings, PlanNames, substitute};
@@ -65,6 +67,7 @@ fn unreadable(
         row: variant.row.map(|row| row.name.clone()),
         parameters: bindings.iter().map(|(name, value)| (name.to_owned(), show(value))).collect(),
         settings: PlanSettings::default(),
+        model: DelayModel::default(),
         program: ProgramRef::None,
         board: None,
         signals: Vec::new(),
@@ -211,6 +214,10 @@ fn whole(
         row: row.map(str::to_owned),
         parameters: bindings.iter().map(|(name, value)| (name.to_owned(), show(value))).collect(),
         settings,
+        model: match fields.text("model") {
+            Some(name) if name == DelayModel::WorstCase.name() => DelayModel::WorstCase,
+            _ => DelayModel::Exact,
+        },
         program,
         board: fields.text("board").map(str::to_owned),
         signals: all,

@@ -2,6 +2,7 @@
 
 use document::{KeySpec, KeyType};
 
+use super::DelayModel;
 use super::global_checks::ALARM_KEYS;
 use super::refusal::REFUSAL_KEYS;
 use super::settings::SETTINGS_KEYS;
@@ -45,6 +46,11 @@ pub const PLAN_KEYS: &[KeySpec] = &[
         "Powers of rig and subject that the plan needs.",
     ),
     KeySpec::optional("settings", KeyType::Table(SETTINGS_KEYS), "Configuration of the controller."),
+    KeySpec::optional(
+        "model",
+        KeyType::Choice(DelayModel::NAMES),
+        "Whether modelled outputs change at the end of their documented delay or at any instant up to it.",
+    ),
     KeySpec::optional(
         "refused",
         KeyType::Table(REFUSAL_KEYS),

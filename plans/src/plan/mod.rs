@@ -65,6 +65,29 @@ pub enum StepCondition {
     Below(Literal),
 }
 
+/// What the model's outputs do with delays that their documents give as maxima (io:STD-OUT-01).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DelayModel {
+    /// An edge comes when the delay is over.
+    #[default]
+    Exact,
+    /// It comes at any instant from its command until the delay is over.
+    WorstCase,
+}
+
+impl DelayModel {
+    /// The names in plans.
+    pub const NAMES: &[&str] = &["exact", "worst case"];
+
+    /// Its name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            DelayModel::Exact => "exact",
+            DelayModel::WorstCase => "worst case",
+        }
+    }
+}
+
 /// How a step comes more than once.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StepRepeat {
@@ -160,6 +183,8 @@ pub struct Case {
     pub parameters: Vec<(String, String)>,
     /// The configuration.
     pub settings: PlanSettings,
+    /// What its delays mean where it is modelled.
+    pub model: DelayModel,
     /// The program.
     pub program: ProgramRef,
     /// The board file as written, relative to the plan's folder; `None`: the simulated board.

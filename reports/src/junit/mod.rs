@@ -298,6 +298,7 @@ fn system_out(case: &CaseRecord, folder: &str, passed: bool) -> String {
             ("modelled", show::span(case.duration_ns)),
             ("seed", case.seed.to_string()),
             ("profile", case.profile.clone()),
+            ("model", case.model.clone()),
             ("trace.sha256", case.trace_sha256.clone()),
         ] {
             if !value.is_empty() {

@@ -144,6 +144,9 @@ pub struct CaseRecord {
     pub profile: String,
     /// Reference of the controller: `TM241CE24T`.
     pub reference: String,
+    /// What the delays of a modelled controller mean: `worst case`; empty where an edge comes when its delay is over.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub model: String,
     /// The board as the user named it; empty for the default board.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub board: String,

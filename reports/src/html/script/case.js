@@ -126,6 +126,7 @@ const evidence = (record) => {
     fact("Plan", record.plan, true),
     fact("Board", record.board, true),
     fact("Profile", record.profile),
+    fact("Model", record.model),
     fact("Reference", record.reference),
     fact("Seed", String(record.seed), true),
     fact("Modelled time", span(record.duration_ns)),

@@ -58,6 +58,7 @@ pub fn judge_gathered(text: &PlanText, trace: &Trace) -> Result<CaseRecord, Vec<
         tags: case.tags.clone(),
         profile: note("profile").to_owned(),
         reference: note("reference").to_owned(),
+        model: note("model").to_owned(),
         seed,
         trace_sha256: describe::hex(&trace.digest()),
         ..CaseRecord::default()

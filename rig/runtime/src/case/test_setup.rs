@@ -23,6 +23,7 @@ use document::{Diagnostic, SourceFile};
 use drivers::External as Settings;
 use drivers::file::build;
 use plans::Case;
+use plans::plan::DelayModel;
 use plans::steps::ProgramRef;
 use signal::{Time, Trace};
 use std::sync::Arc;
@@ -88,6 +89,7 @@ pub(crate) fn set_up(
     let none = files.sources.is_empty() && initial == State::Empty;
     let program = if none { None } else { Some(Arc::new(compile(&files.sources, files.profile)?)) };
     let mut config = configuration(&case.settings, files)?;
+    config.worst_case = case.model == DelayModel::WorstCase;
     let tasks = Tasks::new(program.as_deref(), &case.settings, files.profile, &files.plan)?;
     tasks.configure(&mut config, &case.settings, program.as_deref(), &files.plan)?;
     let mut warnings = functions::warnings(&config, &case.settings, &files.plan.name);

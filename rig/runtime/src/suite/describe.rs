@@ -7,6 +7,7 @@ use document::Joined;
 use drivers::Channel;
 use plans::Case;
 use plans::judge::counts_note;
+use plans::plan::DelayModel;
 use plans::steps::ProgramRef;
 use plans::steps::{DisturbanceKind, FileOperation, LineFault, PlanCommand, Stimulus, StimulusShape};
 use record::{CaseRecord, ClaimOrigin, Hashes, Parameter, StepRecord};
@@ -62,6 +63,7 @@ pub fn record_of(case: &Case, files: &CaseFiles) -> CaseRecord {
         tags: case.tags.clone(),
         profile: files.profile.name().to_owned(),
         reference: files.reference.name.to_owned(),
+        model: model(case, files),
         board: files.board.name.clone(),
         hashes: hashes(files),
         seed: files.seed,
@@ -76,6 +78,14 @@ pub fn record_of(case: &Case, files: &CaseFiles) -> CaseRecord {
             })
             .collect(),
         ..CaseRecord::default()
+    }
+}
+
+/// What the delays of the controller mean, where the rig plays it and an edge does not come when its delay is over.
+fn model(case: &Case, files: &CaseFiles) -> String {
+    match case.model {
+        DelayModel::WorstCase if !files.board.subject.is_external() => case.model.name().to_owned(),
+        DelayModel::Exact | DelayModel::WorstCase => String::new(),
     }
 }
 
@@ -107,6 +117,10 @@ pub(crate) fn annotate_files(trace: &mut Trace, case: &Case, files: &CaseFiles, 
     trace.set_note("profile", files.profile.name().to_owned());
     trace.set_note("reference", files.reference.name.to_owned());
     trace.set_note("seed", files.seed.to_string());
+    let model = model(case, files);
+    if !model.is_empty() {
+        trace.set_note("model", model);
+    }
     trace.set_note("clock", clock.to_owned());
     for (name, value) in &case.parameters {
         trace.set_note(&format!("parameter:{name}"), value.clone());
