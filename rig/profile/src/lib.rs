@@ -143,6 +143,15 @@ impl Profile {
         AddressLimits { input_bits: IMAGE_BITS, output_bits: IMAGE_BITS, memory_words: MEMORY_WORDS }
     }
 
+    /// Most characters that a STRING or WSTRING may be declared with (controller:DT-01): the documents end an M241's at
+    /// 255 and state no limit of an M251's.
+    pub const fn longest_text(self) -> u32 {
+        match self.family() {
+            Family::M241 => 255,
+            Family::M251 => 65_535,
+        }
+    }
+
     /// How long the controller keeps running after its supply is interrupted: 4 ms for an M241
     /// (controller:HW-09), 10 ms for an M251 (controller:HW-08).
     pub const fn hold_up(self) -> Span {

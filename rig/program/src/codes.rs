@@ -29,7 +29,7 @@ codes! {
     Unexpected = "S0102", "Something else was expected here";
     Identifier = "S0103", "A name breaks the rules for identifiers";
     Unterminated = "S0104", "A comment, pragma or string is not closed";
-    Number = "S0105", "A number is malformed or too large";
+    Number = "S0105", "A number is malformed, too large or too small";
     Duration = "S0106", "A duration is malformed or too long";
     Nesting = "S0107", "Expressions or statements are nested too deeply";
     Unclosed = "S0108", "A block is not closed";
@@ -39,7 +39,7 @@ codes! {
     Duplicate = "S0201", "A name is declared twice";
     UnknownType = "S0202", "A type is not known";
     NotConstant = "S0203", "A constant is needed here";
-    ArrayBounds = "S0204", "The bounds of an array are wrong";
+    ArrayBounds = "S0204", "The bounds of an array or the length of a text are wrong";
     ContainsItself = "S0205", "A function block contains itself";
     Section = "S0206", "A declaration cannot be here";
     Address = "S0207", "An address does not exist";

@@ -175,6 +175,8 @@ pub struct ProgramLimits {
     pub source: usize,
     /// Bytes of all variables and constants.
     pub memory: u32,
+    /// Characters that a STRING or WSTRING may be declared with (controller:DT-01).
+    pub text: u32,
     /// Bytes of the retained image (controller:MEM-08).
     pub retained: usize,
     /// Operations of the compiled code.
@@ -184,12 +186,14 @@ pub struct ProgramLimits {
 }
 
 impl Default for ProgramLimits {
-    /// `%MW0` to `%MW59999`, images of 8 Kbytes, 4 Mbyte of text, 32 Mbyte of variables, 64 Kbytes retained, 50 errors.
+    /// `%MW0` to `%MW59999`, images of 8 Kbytes, 4 Mbyte of text, 32 Mbyte of variables, texts of 65,535 characters,
+    /// 64 Kbytes retained, 50 errors.
     fn default() -> Self {
         ProgramLimits {
             addresses: AddressLimits { input_bits: 65_536, output_bits: 65_536, memory_words: 60_000 },
             source: 4 << 20,
             memory: 32 << 20,
+            text: 65_535,
             retained: 65_536,
             code: 1_000_000,
             errors: 50,

@@ -2,7 +2,8 @@
 //! ranges of controller:DT-01.
 
 use crate::support::oracle::verdicts;
-use crate::support::{codes, once};
+use crate::support::{codes, once, sources};
+use scanrig_program::{Options, ProgramLimits, compile};
 use signal::Value;
 
 /// The value of a literal as an initial value and in a statement; both must agree.
@@ -83,6 +84,55 @@ fn whole_numbers() {
     }
 }
 
+/// controller:DT-01: 0 and the normal magnitudes, whatever makes the number.
+#[test]
+fn reals_outside_of_their_ranges() {
+    for (ty, literal, code) in [
+        ("REAL", "3.5E38", "S0303"),
+        ("REAL", "-3.5E38", "S0303"),
+        ("REAL", "1.0E39", "S0303"),
+        ("REAL", "1.0E-39", "S0303"),
+        ("REAL", "-1.0E-39", "S0303"),
+        ("REAL", "1.0E-60", "S0303"),
+        ("REAL", "REAL#1.0E39", "S0303"),
+        ("REAL", "REAL#1.0E-39", "S0303"),
+        ("REAL", "1.0E30 * 1.0E30", "S0303"),
+        ("LREAL", "REAL#1.0E39", "S0303"),
+        ("LREAL", "1.0E308 * 10.0", "S0303"),
+        ("LREAL", "1.0E-308", "S0105"),
+        ("LREAL", "LREAL#4.9E-324", "S0105"),
+        ("LREAL", "1.0E309", "S0105"),
+        ("REAL", "1.0E-400", "S0105"),
+    ] {
+        assert_eq!(refused(ty, literal), [code], "{ty} {literal}");
+    }
+    // Initial values that constants come to; the same product of a statement is what IEEE 754 says.
+    for value in ["big", "REAL#1.0E30 * REAL#1.0E30", "LREAL_TO_REAL(big)"] {
+        let constant = "VAR CONSTANT big : LREAL := 1.0E300; END_VAR";
+        let text = format!("PROGRAM MAIN {constant} VAR r : REAL := {value}; END_VAR END_PROGRAM");
+        assert_eq!(codes(&text), ["S0303"], "{value}");
+    }
+    assert!(refused("REAL", "REAL#1.0E30 * REAL#1.0E30").is_empty());
+}
+
+/// controller:DT-01: how long a text may be is the controller's.
+#[test]
+fn texts_have_the_length_that_the_controller_allows() {
+    for (limit, length, fits) in
+        [(255, 255, true), (255, 256, false), (65_535, 65_535, true), (65_535, 65_536, false)]
+    {
+        for ty in [format!("STRING({length})"), format!("WSTRING[{length}]")] {
+            let text = format!("PROGRAM MAIN VAR t : {ty}; END_VAR END_PROGRAM");
+            let limits = ProgramLimits { text: limit, ..ProgramLimits::default() };
+            let found = compile(&sources(&text), &Options { limits, ..Options::default() });
+            let codes =
+                found.err().unwrap_or_default().into_iter().map(|found| found.code).collect::<Vec<_>>();
+            let expected: &[&str] = if fits { &[] } else { &["S0204"] };
+            assert_eq!(codes, expected, "{ty} with at most {limit}");
+        }
+    }
+}
+
 #[test]
 fn reals() {
     for (literal, expected) in [
@@ -100,7 +150,7 @@ fn reals() {
         ("16777217", 16_777_217.0),
         ("0.1", 0.1),
         ("3.4028234663852886E38", f64::from(f32::MAX)),
-        ("1.4E-45", 1.4E-45),
+        ("1.175494351E-38", 1.175494351E-38),
     ] {
         let double: f64 = expected;
         let single = literal.replace('_', "").trim_start_matches('+').parse::<f32>().unwrap();

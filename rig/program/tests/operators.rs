@@ -191,7 +191,11 @@ fn shifts_and_rotations() {
 /// Numbers at which rounding, signs and limits show.
 fn reals(ty: Elementary) -> Vec<(f64, String)> {
     let single = ty == Real;
-    let (max, least) = if single { (f64::from(f32::MAX), 1E-45) } else { (f64::MAX, 5E-324) };
+    let (max, least) = if single {
+        (f64::from(f32::MAX), f64::from(f32::MIN_POSITIVE))
+    } else {
+        (f64::MAX, f64::MIN_POSITIVE)
+    };
     let round = |n: f64| if single { f64::from(n as f32) } else { n };
     let mut all: Vec<(f64, String)> = [0.0, 1.0, -1.5, 0.1, 3.0, 16_777_217.0, max, -max, least]
         .map(|n| (round(n), decimal(ty, n)))

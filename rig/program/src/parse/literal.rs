@@ -13,6 +13,8 @@ pub(crate) enum SourceLiteralFault {
     TooLarge,
     /// Beyond the largest LREAL.
     TooLargeReal,
+    /// Not 0, and below the least normal magnitude of LREAL (controller:DT-01).
+    TooSmallReal,
     /// Not of the form `T#1d2h3m4s5ms`.
     Duration,
     /// Negative durations do not exist.
@@ -56,6 +58,9 @@ impl SourceLiteralFault {
             Self::Digit => ("a digit does not exist in this base", "use the digits of the base before #"),
             Self::TooLarge => ("the number does not fit into 64 bits", "the largest is 18446744073709551615"),
             Self::TooLargeReal => ("the number is beyond LREAL", "the largest is about 1.797E308"),
+            Self::TooSmallReal => {
+                ("the number is too small for LREAL", "the least beside 0 is about 2.225E-308")
+            }
             Self::Duration => ("this is no duration", "write it as in T#1d2h3m4s5ms, largest unit first"),
             Self::Negative => ("durations are never negative", "write a difference, as in a - T#5s"),
             Self::TooFine => ("TIME counts whole milliseconds", "use LTIME# for finer durations"),
@@ -138,7 +143,14 @@ pub(crate) fn real(text: &str) -> Result<(f64, f32), SourceLiteralFault> {
         (Ok(double), Ok(single)) => (double, single),
         _ => return Err(SourceLiteralFault::Digit),
     };
-    if double.is_finite() { Ok((double, single)) } else { Err(SourceLiteralFault::TooLargeReal) }
+    // The number itself may have been too small for anything but a 0.
+    let mantissa = plain.split(['e', 'E']).next().unwrap_or_default();
+    let zero = double == 0.0 && !mantissa.contains(|digit: char| digit.is_ascii_digit() && digit != '0');
+    match double {
+        _ if !double.is_finite() => Err(SourceLiteralFault::TooLargeReal),
+        _ if !double.is_normal() && !zero => Err(SourceLiteralFault::TooSmallReal),
+        _ => Ok((double, single)),
+    }
 }
 
 /// The characters of `'text'` or `"text"`: ISO 8859-1, or UTF-16 where wide.
@@ -209,6 +221,11 @@ mod tests {
         assert_eq!((double as f32, single), (1.0, 1.000_000_1));
         assert_eq!(real("1.0E39").unwrap().1, f32::INFINITY);
         assert_eq!(real("1.0E309"), Err(SourceLiteralFault::TooLargeReal));
+        for small in ["2.2250738585072011E-308", "4.9E-324", "1.0E-400"] {
+            assert_eq!(real(small), Err(SourceLiteralFault::TooSmallReal), "{small}");
+        }
+        assert_eq!(real("2.2250738585072014E-308").unwrap().0, f64::MIN_POSITIVE);
+        assert_eq!(real("0.0E-400"), Ok((0.0, 0.0)));
         assert_eq!(real("1_.0"), Err(SourceLiteralFault::Underscore));
         assert_eq!(real("1.0_E1"), Err(SourceLiteralFault::Underscore));
     }

@@ -44,6 +44,17 @@ impl<'a> Sema<'a> {
         self.context.constant = outer;
         let value = value?;
         match value.kind {
+            // What typed constants come to: a literal was compared with the range before.
+            ExprKind::Constant(cell) if beyond_reals(value.ty, cell) => {
+                let message = "this value is outside the range of its type";
+                self.findings.error(
+                    Code::Range,
+                    written.at,
+                    message,
+                    "its terms are too large for REAL or LREAL",
+                );
+                None
+            }
             ExprKind::Constant(_) | ExprKind::Text(_) | ExprKind::Bytes(_) => Some(value),
             _ => {
                 if ty != WRONG {
@@ -223,6 +234,11 @@ fn is_shift(op: BinaryOp) -> bool {
 
 fn real(ty: Elementary, cell: i64) -> f64 {
     if ty == Elementary::Real { f64::from(f32::from_bits(cell as u32)) } else { f64::from_bits(cell as u64) }
+}
+
+/// Whether it is an infinity or no number.
+fn beyond_reals(ty: Ty, cell: i64) -> bool {
+    matches!(ty, Ty::Scalar(ty) if ty.is_real() && !real(ty, cell).is_finite())
 }
 
 /// Whether the numbers of both types mean the same.

@@ -26,12 +26,7 @@ impl<'a> Sema<'a> {
             LiteralOperand::Wrong | LiteralOperand::Nothing(_) => None,
             LiteralOperand::Integer(n) => self.give_integer(n, ty, at),
             LiteralOperand::Real(double, single) => match self.scalar(ty) {
-                Some(Elementary::Real) => {
-                    Some(self.constant(i64::from(single.to_bits()), Elementary::Real, at))
-                }
-                Some(Elementary::Lreal) => {
-                    Some(self.constant(double.to_bits() as i64, Elementary::Lreal, at))
-                }
+                Some(scalar) if scalar.is_real() => self.give_real((double, single), scalar, at),
                 _ => {
                     let message = format!("a number with a point does not go into {}", self.type_name(ty));
                     self.findings.error(Code::Type, at, message, self.conversion_help(Elementary::Lreal, ty));
@@ -49,6 +44,30 @@ impl<'a> Sema<'a> {
             }
             LiteralOperand::Value(value, from) => self.assigned(value, from, ty, at),
         }
+    }
+
+    /// A number with a point, its nearest double and its nearest single, as a constant of REAL or LREAL; reports one
+    /// that the type does not hold (controller:DT-01).
+    pub(super) fn give_real(
+        &mut self,
+        (double, single): (f64, f32),
+        ty: Elementary,
+        at: SourcePlace,
+    ) -> Option<Expr> {
+        let (normal, cell) = match ty {
+            Elementary::Real => (single.is_normal(), i64::from(single.to_bits())),
+            _ => (double.is_normal(), double.to_bits() as i64),
+        };
+        if normal || double == 0.0 {
+            return Some(self.constant(cell, ty, at));
+        }
+        let range = match ty {
+            Elementary::Real => "REAL takes 0 and magnitudes from 1.175494351E-38 to 3.402823466E+38",
+            _ => "LREAL takes 0 and magnitudes from 2.2250738585072014E-308 to 1.7976931348623157E+308",
+        };
+        let message = format!("{double:E} is outside the range of {}", ty.name());
+        self.findings.error(Code::Range, at, message, range);
+        None
     }
 
     fn give_integer(&mut self, n: i128, ty: TypeId, at: SourcePlace) -> Option<Expr> {
@@ -154,6 +173,10 @@ impl<'a> Sema<'a> {
                 && in_range(number, b)
             {
                 return Some(self.constant(b.wrap(number as i64), b, at));
+            }
+            if let (Elementary::Lreal, Elementary::Real, ExprKind::Constant(cell)) = (a, b, &value.kind) {
+                let double = f64::from_bits(*cell as u64);
+                self.give_real((double, double as f32), b, at)?;
             }
             return match implicit(a, b) {
                 Implicit::Silent => Some(self.widened(value, target)),

@@ -19,11 +19,10 @@ impl<'a> Sema<'a> {
             ast::ExprKind::Number(n, None) => self.literal(*n, at),
             ast::ExprKind::Number(n, Some(ty)) => self.typed_number(*n, *ty, at),
             ast::ExprKind::Real(double, single, None) => LiteralOperand::Real(*double, *single),
-            ast::ExprKind::Real(_, single, Some(Elementary::Real)) => {
-                self.known(i64::from(single.to_bits()), Elementary::Real, at)
-            }
-            ast::ExprKind::Real(double, _, Some(_)) => {
-                self.known(double.to_bits() as i64, Elementary::Lreal, at)
+            ast::ExprKind::Real(double, single, Some(ty)) => {
+                let id = self.elementary(*ty);
+                self.give_real((*double, *single), *ty, at)
+                    .map_or(LiteralOperand::Wrong, |value| LiteralOperand::Value(value, id))
             }
             ast::ExprKind::Bool(value) => self.known(i64::from(*value), Elementary::Bool, at),
             ast::ExprKind::Moment(cell, ty) => self.known(*cell, *ty, at),

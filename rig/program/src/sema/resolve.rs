@@ -9,8 +9,6 @@ use crate::types::Elementary;
 
 /// Length of a STRING that does not say one.
 const DEFAULT_LENGTH: u32 = 80;
-/// Longest text.
-const MAX_LENGTH: i64 = 65_534;
 
 impl<'a> Sema<'a> {
     /// The type that is written there.
@@ -35,10 +33,10 @@ impl<'a> Sema<'a> {
                 let length = match length {
                     None => DEFAULT_LENGTH,
                     Some(length) => match self.constant_number(length) {
-                        Some(n) if (1..=MAX_LENGTH).contains(&n) => n as u32,
+                        Some(n) if (1..=i64::from(self.options.limits.text)).contains(&n) => n as u32,
                         Some(n) => {
                             let message = format!("a text cannot have {n} characters");
-                            let help = format!("from 1 to {MAX_LENGTH}");
+                            let help = format!("declare from 1 to {}", self.options.limits.text);
                             self.findings.error(Code::ArrayBounds, length.at, message, help);
                             return WRONG;
                         }

@@ -35,6 +35,7 @@ pub fn options(profile: Profile) -> Options {
     let mut options = Options::default();
     options.limits.addresses = profile.address_limits();
     options.limits.memory = profile::APPLICATION_BYTES;
+    options.limits.text = profile.longest_text();
     let documented = profile.instruction_costs();
     let costs = &mut options.costs;
     costs.bool_op = documented.bool_op;
