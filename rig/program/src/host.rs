@@ -73,6 +73,8 @@ pub struct ProgramFault {
 pub enum ProgramFaultKind {
     /// `/` or MOD of whole numbers by 0.
     DivisionByZero,
+    /// `/` of REAL or LREAL by 0.0 or -0.0, whatever is divided.
+    RealDivisionByZero,
     /// An index outside the bounds of its array.
     Bounds,
     /// A pointer, reference or interface that leads nowhere, or to what may not be written.
@@ -87,6 +89,7 @@ impl fmt::Display for ProgramFaultKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             ProgramFaultKind::DivisionByZero => "division by zero",
+            ProgramFaultKind::RealDivisionByZero => "real division by zero",
             ProgramFaultKind::Bounds => "index outside the bounds of the array",
             ProgramFaultKind::BadReference => "reference to no variable",
             ProgramFaultKind::StackDepth => "calls nested too deep",

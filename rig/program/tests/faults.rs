@@ -20,7 +20,7 @@ fn of(declarations: &str, statements: &str) -> Option<(ProgramFaultKind, u32)> {
     fault(&format!("PROGRAM MAIN\nVAR {declarations} END_VAR\n{statements}\nEND_PROGRAM"))
 }
 
-use ProgramFaultKind::{BadReference, Bounds, DivisionByZero, StackDepth};
+use ProgramFaultKind::{BadReference, Bounds, DivisionByZero, RealDivisionByZero, StackDepth};
 
 #[test]
 fn an_index_of_every_type_is_held_to_its_bounds() {
@@ -102,15 +102,58 @@ fn divisions_by_zero() {
             assert_eq!(codes(&constant), ["S0305"]);
         }
     }
-    // Durations by whole numbers too; reals give what IEEE 754 says.
-    assert_eq!(of("t : TIME := T#1s; n : INT;", "\nt := t / n;"), Some((DivisionByZero, 4)));
-    assert_eq!(of("r, q : REAL;", "r := 1.0 / q; r := q / q; r := r / 0.0;"), None);
+    // Durations too, by the operator and by the functions.
+    for by in ["t / n", "DIVTIME(t, n)", "DIV_TIME(t, n)", "T#1s / n"] {
+        assert_eq!(
+            of("t : TIME := T#1s; n : INT;", &format!("\nt := {by};")),
+            Some((DivisionByZero, 4)),
+            "{by}"
+        );
+    }
     // The lowest number by -1 is no fault: it wraps.
     assert_eq!(once("VAR i : INT := -32768; m : INT := -1; END_VAR", "i := i / m;").int("i"), -32768);
     assert_eq!(
         once("VAR i : LINT := -9223372036854775808; m : LINT := -1; END_VAR", "i := i MOD m;").int("i"),
         0
     );
+}
+
+/// controller:SYS-03: a code of its own; whatever is divided, by a zero of either sign.
+#[test]
+fn real_divisions_by_zero() {
+    for name in ["REAL", "LREAL"] {
+        let declarations = format!("x : {name} := 1.0; z, inf : {name}; t : TIME; n : INT; b : BOOL;");
+        for by in [
+            "x := x / z",
+            "x := z / z",
+            "x := x / (-z)",
+            "x := inf / z",
+            "b := x / z > 1.0",
+            "t := T#1s / z",
+            "t := DIV_TIME(T#1s, z)",
+            "x := n / z",
+            "x := DIV(x, z)",
+        ] {
+            let found = of(&declarations, &format!("\n{by};"));
+            assert_eq!(found, Some((RealDivisionByZero, 4)), "{name} {by}");
+            assert_eq!(of(&declarations, &format!("IF z <> 0.0 THEN {by}; END_IF;")), None, "{name} {by}");
+        }
+        for by in
+            ["x / 0.0", "x / (-0.0)", "x / 0", "1.0 / 0.0", "x / none", "T#1s / 0.0", "DIV_TIME(T#1s, 0)"]
+        {
+            let text = format!(
+                "PROGRAM MAIN VAR CONSTANT none : {name} := 0.0; END_VAR VAR x : {name}; t : TIME; END_VAR
+                 {} := {by}; END_PROGRAM",
+                if by.contains("T#") { "t" } else { "x" }
+            );
+            assert_eq!(codes(&text), ["S0305"], "{name} {by}");
+        }
+        // Functions at their poles, and results that are too large, are what IEEE 754 says: no code names them.
+        let rest = format!(
+            "LN(z); x := SQRT(-x); x := EXPT(z, -1.0); x := {name}#1.0E30; x := x * x * x * x * x * x * x * x * x * x * x"
+        );
+        assert_eq!(of(&declarations, &format!("x := {rest};")), None);
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@
 use super::Accepts::{AnyInt, AnyNum, Exact};
 use super::calendar::days_of;
 use super::convert::{convert, real, rounded};
-use super::{Accepts, Function, Gives, argument, scalar};
+use super::{Accepts, Body, Function, Gives, argument, scalar};
 use crate::types::Elementary::{self, *};
 
 /// A function of two operands, named as in the standard.
@@ -19,10 +19,14 @@ macro_rules! two {
 
 /// A time by a number.
 macro_rules! by_number {
-    ($name:literal, $time:ident, $body:ident) => {
-        scalar($name, &[("IN1", Exact($time)), ("IN2", AnyNum)], Gives::Exact($time), |ty, cells| {
-            $body($time, argument(cells, 0), ty, argument(cells, 1))
-        })
+    ($name:literal, $time:ident, $kind:ident, $body:ident) => {
+        Function {
+            name: $name,
+            parameters: &[("IN1", Exact($time)), ("IN2", AnyNum)],
+            extensible: false,
+            gives: Gives::Exact($time),
+            body: Body::$kind(|ty, cells| $body($time, argument(cells, 0), ty, argument(cells, 1))),
+        }
     };
 }
 
@@ -62,12 +66,12 @@ pub(super) const FUNCTIONS: &[Function] = &[
     two!("SUB_LDT_LTIME", Ldt, Ltime, Ldt, i64::wrapping_sub),
     two!("SUB_DT_DT", Dt, Dt, Time, |left, right| (left - right) * MILLIS),
     two!("SUB_LDT_LDT", Ldt, Ldt, Ltime, i64::wrapping_sub),
-    by_number!("MULTIME", Time, multiply),
-    by_number!("MUL_TIME", Time, multiply),
-    by_number!("MUL_LTIME", Ltime, multiply),
-    by_number!("DIVTIME", Time, divide),
-    by_number!("DIV_TIME", Time, divide),
-    by_number!("DIV_LTIME", Ltime, divide),
+    by_number!("MULTIME", Time, Scalar, multiply),
+    by_number!("MUL_TIME", Time, Scalar, multiply),
+    by_number!("MUL_LTIME", Ltime, Scalar, multiply),
+    by_number!("DIVTIME", Time, Quotient, divide),
+    by_number!("DIV_TIME", Time, Quotient, divide),
+    by_number!("DIV_LTIME", Ltime, Quotient, divide),
     two!("CONCAT_DATE_TOD", Date, Tod, Dt, |date, clock| date + clock / MILLIS),
     two!("CONCAT_DATE_LTOD", Date, Ltod, Ldt, |date, clock| convert(Date, Ldt, date).wrapping_add(clock)),
     two!("CONCAT_LDATE_LTOD", Ldate, Ltod, Ldt, i64::wrapping_add),
@@ -92,14 +96,14 @@ fn multiply(time: Elementary, cell: i64, ty: Elementary, factor: i64) -> i64 {
     }
 }
 
-/// A time by a whole number, cut down, or by a real number, to the nearest. By the whole number 0 it is 0.
-fn divide(time: Elementary, cell: i64, ty: Elementary, divisor: i64) -> i64 {
+/// A time by a whole number, cut down, or by a real number, to the nearest.
+fn divide(time: Elementary, cell: i64, ty: Elementary, divisor: i64) -> Option<i64> {
     let number = time.number(time.wrap(cell));
     if ty.is_real() {
-        rounded(time, number as f64 / real(ty, divisor))
-    } else {
-        time.wrap(number.checked_div(ty.number(ty.wrap(divisor))).unwrap_or(0) as i64)
+        let divisor = real(ty, divisor);
+        return (divisor != 0.0).then(|| rounded(time, number as f64 / divisor));
     }
+    number.checked_div(ty.number(ty.wrap(divisor))).map(|quotient| time.wrap(quotient as i64))
 }
 
 /// A point in time of its numbers, which are of type `ty`; 0 where there is no such date or time of day.

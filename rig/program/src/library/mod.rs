@@ -67,6 +67,8 @@ pub(crate) struct Function {
 pub(crate) enum Body {
     /// The generic type of the call (BOOL where it has none) and the cells of the arguments; the cell of the result.
     Scalar(fn(Elementary, &[i64]) -> i64),
+    /// The same for a division; `None` where the divisor is 0.
+    Quotient(fn(Elementary, &[i64]) -> Option<i64>),
     /// Arguments or the result are texts.
     Text(fn(&mut TextCall<'_>)),
     /// From the modelled time since the start; the cell of the result.

@@ -12,6 +12,7 @@ use std::f64::consts::{E, FRAC_PI_2, FRAC_PI_4, LN_10, LOG10_2, SQRT_2};
 fn call(name: &str, ty: Elementary, cells: &[i64]) -> i64 {
     match find(name).unwrap().body {
         Body::Scalar(body) => body(ty, cells),
+        Body::Quotient(body) => body(ty, cells).unwrap(),
         Body::Text(_) | Body::Clock(_) | Body::Service(_) => panic!("{name}"),
     }
 }
@@ -299,16 +300,23 @@ fn times_by_numbers() {
         ("MUL_TIME", Lreal, lreal(f64::NAN), 0),
         ("DIV_TIME", Int, 3, 333),
         ("DIVTIME", Lreal, lreal(1.5), 667),
-        ("DIV_TIME", Int, 0, 0),
         ("DIV_TIME", Int, -3, 4_294_966_963),
         ("DIV_TIME", Ulint, -1, 0),
-        ("DIV_TIME", Lreal, lreal(0.0), 4_294_967_295),
+        ("DIV_TIME", Lreal, lreal(1.0E-300), 4_294_967_295),
         ("DIV_LTIME", Ulint, 2, 500),
         ("MUL_LTIME", Lint, 2, 2_000),
     ] {
         assert_eq!(call(name, ty, &[1_000, number]), result, "{name} {} {number}", ty.name());
     }
     assert_eq!(call("DIV_LTIME", Lint, &[-1, 2]), i64::MAX, "LTIME is unsigned");
+    for name in ["DIV_TIME", "DIVTIME", "DIV_LTIME"] {
+        let Body::Quotient(body) = find(name).unwrap().body else { panic!("{name}") };
+        for (ty, zero) in
+            [(Int, 0), (Ulint, 0), (Real, real(-0.0)), (Lreal, lreal(0.0)), (Lreal, lreal(-0.0))]
+        {
+            assert_eq!(body(ty, &[1_000, zero]), None, "{name} {}", ty.name());
+        }
+    }
 }
 
 #[test]
@@ -417,6 +425,11 @@ proptest! {
                     body(&mut call);
                     prop_assert!(call.out.length <= call.out.capacity());
                     prop_assert_eq!(call.result, Int.wrap(call.result));
+                }
+                Body::Quotient(body) => {
+                    if let (Some(result), Gives::Exact(exact)) = (body(ty, &cells), function.gives) {
+                        prop_assert_eq!(result, exact.wrap(result), "{}", name);
+                    }
                 }
                 Body::Clock(_) | Body::Service(_) => {}
             }

@@ -78,6 +78,14 @@ impl ProgramMemory<'_> {
         match call.code {
             LibraryCode::Function(function) => match function.body {
                 Body::Scalar(run) => of.result = run(call.generic, cells),
+                Body::Quotient(run) => {
+                    let zero = if call.generic.is_real() {
+                        ProgramFaultKind::RealDivisionByZero
+                    } else {
+                        ProgramFaultKind::DivisionByZero
+                    };
+                    of.result = run(call.generic, cells).ok_or(zero)?;
+                }
                 Body::Text(run) => run(&mut of),
                 Body::Clock(run) => of.result = run(now),
                 Body::Service(service) => return Ok(CallResult::Asks(service, first)),

@@ -192,6 +192,16 @@ pub(crate) fn run<const DEBUG: bool>(
                 put!(a, b.$divide(c));
             }};
         }
+        macro_rules! divide_real {
+            ($ty:ident) => {{
+                let b = load!($ty, b);
+                let c = load!($ty, c);
+                if c == 0.0 {
+                    fault!(RealDivisionByZero);
+                }
+                put!(a, RawNumber::raw((b / c).canonical()));
+            }};
+        }
         macro_rules! count {
             ($ty:ident, |$b:ident, $n:ident| $result:expr) => {{
                 let $b = load!($ty, b);

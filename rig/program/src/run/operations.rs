@@ -1,7 +1,7 @@
 //! The operations that only read places, compute and write a place or jump: the arms of both loops.
 
 /// Matches an operation; `rest` are the arms of the others. How places are read and written is up to the macros `one`,
-/// `two`, `divide`, `count`, `compare`, `index`, `jump`, `test`, `turn` and `fault` of the loop, and what an operation is called there to `op`.
+/// `two`, `divide`, `divide_real`, `count`, `compare`, `index`, `jump`, `test`, `turn` and `fault` of the loop, and what an operation is called there to `op`.
 macro_rules! operations {
     ($op:expr, { $($rest:tt)* }) => {
         match $op {
@@ -35,8 +35,8 @@ macro_rules! operations {
             op!(DivU32) => divide!(u32, wrapping_div),
             op!(DivI64) => divide!(i64, wrapping_div),
             op!(DivU64) => divide!(u64, wrapping_div),
-            op!(DivF32) => two!(f32, |b, c| (b / c).canonical()),
-            op!(DivF64) => two!(f64, |b, c| (b / c).canonical()),
+            op!(DivF32) => divide_real!(f32),
+            op!(DivF64) => divide_real!(f64),
             op!(ModI8) => divide!(i8, wrapping_rem),
             op!(ModU8) => divide!(u8, wrapping_rem),
             op!(ModI16) => divide!(i16, wrapping_rem),

@@ -316,6 +316,7 @@ fn fold_real(op: BinaryOp, ty: Elementary, a: i64, b: i64) -> Option<i64> {
         BinaryOp::Add => x + y,
         BinaryOp::Subtract => x - y,
         BinaryOp::Multiply => x * y,
+        BinaryOp::Divide if y == 0.0 => return None,
         BinaryOp::Divide => x / y,
         BinaryOp::Equal => return Some(i64::from(x == y)),
         BinaryOp::NotEqual => return Some(i64::from(x != y)),

@@ -120,9 +120,8 @@ impl<'a> Sema<'a> {
         };
         let Some(kind) = self.operation(op, ty, at) else { return LiteralOperand::Wrong };
         self.check_exact(kind, ty, &a, &b, at);
-        if matches!(kind, BinaryOp::Divide | BinaryOp::Mod) && self.is_zero(&b) && !self.is_real(ty) {
-            self.findings.error(Code::DivisionByZero, at, "a division by 0", "");
-            return LiteralOperand::Wrong;
+        if matches!(kind, BinaryOp::Divide | BinaryOp::Mod) && is_zero(&b) {
+            return self.division_by_zero(at);
         }
         let (Some(left), Some(right)) = (self.give_beside(a, ty, at), self.give_beside(b, ty, at)) else {
             return LiteralOperand::Wrong;
@@ -184,16 +183,10 @@ impl<'a> Sema<'a> {
         self.findings.warning(Code::Inexact, at, message, help);
     }
 
-    fn is_real(&self, ty: TypeId) -> bool {
-        self.scalar(ty).is_some_and(Elementary::is_real)
-    }
-
-    fn is_zero(&self, operand: &LiteralOperand) -> bool {
-        match operand {
-            LiteralOperand::Integer(n) => *n == 0,
-            LiteralOperand::Value(Expr { kind: ExprKind::Constant(0), .. }, _) => true,
-            _ => false,
-        }
+    pub(super) fn division_by_zero(&mut self, at: SourcePlace) -> LiteralOperand {
+        let help = "divide by something else; a divisor that may be 0 is tested before, as in IF d <> 0 THEN";
+        self.findings.error(Code::DivisionByZero, at, "a division by 0", help);
+        LiteralOperand::Wrong
     }
 
     /// The operation for a type; reports where there is none.
@@ -241,10 +234,7 @@ impl<'a> Sema<'a> {
             Written::Add => a + b,
             Written::Subtract => a - b,
             Written::Multiply => a.checked_mul(b).unwrap_or(i128::MAX),
-            Written::Divide | Written::Mod if b == 0 => {
-                self.findings.error(Code::DivisionByZero, at, "a division by 0", "");
-                return Some(LiteralOperand::Wrong);
-            }
+            Written::Divide | Written::Mod if b == 0 => return Some(self.division_by_zero(at)),
             Written::Divide => a / b,
             Written::Mod => a % b,
             Written::Equal => return Some(self.known(truth(a == b), Elementary::Bool, at)),
@@ -278,6 +268,7 @@ impl<'a> Sema<'a> {
             Written::Add => a + b,
             Written::Subtract => a - b,
             Written::Multiply => a * b,
+            Written::Divide if b == 0.0 => return Some(self.division_by_zero(at)),
             Written::Divide => a / b,
             Written::Equal => return Some(self.known(i64::from(a == b), Elementary::Bool, at)),
             Written::NotEqual => return Some(self.known(i64::from(a != b), Elementary::Bool, at)),
@@ -313,9 +304,8 @@ impl<'a> Sema<'a> {
                 return Some(self.duration_by_number(op, right, b.clone(), left, a.clone(), at));
             }
             Written::Divide if left.is_duration() && number(right) => {
-                if right.is_integer() && self.is_zero(b) {
-                    self.findings.error(Code::DivisionByZero, at, "a division by 0", "");
-                    return Some(LiteralOperand::Wrong);
+                if is_zero(b) {
+                    return Some(self.division_by_zero(at));
                 }
                 return Some(self.duration_by_number(op, left, a.clone(), right, b.clone(), at));
             }
@@ -472,5 +462,19 @@ impl<'a> Sema<'a> {
             Some(function) => self.library_call(function, vec![a, b], at),
             None => LiteralOperand::Wrong,
         }
+    }
+}
+
+/// Whether it is a constant 0, of a real type with either sign.
+fn is_zero(operand: &LiteralOperand) -> bool {
+    match operand {
+        LiteralOperand::Integer(n) => *n == 0,
+        LiteralOperand::Real(double, _) => *double == 0.0,
+        LiteralOperand::Value(Expr { kind: ExprKind::Constant(cell), ty, .. }, _) => match ty {
+            Ty::Scalar(Elementary::Real) => f32::from_bits(*cell as u32) == 0.0,
+            Ty::Scalar(Elementary::Lreal) => f64::from_bits(*cell as u64) == 0.0,
+            _ => *cell == 0,
+        },
+        _ => false,
     }
 }

@@ -211,7 +211,7 @@ impl Sema<'_> {
             Gives::Exact(ty) => self.elementary(ty),
             Gives::Text => self.intern(Type::Text { wide, length: TEXT_LIMIT }),
         };
-        if let Body::Scalar(body) = function.body {
+        if let Body::Scalar(_) | Body::Quotient(_) = function.body {
             let cells: Option<Vec<i64>> = values
                 .iter()
                 .map(|value| match value.kind {
@@ -220,7 +220,15 @@ impl Sema<'_> {
                 })
                 .collect();
             if let (Some(cells), Some(ty)) = (cells, self.scalar(result)) {
-                return LiteralOperand::Value(self.constant(body(scalar, &cells), ty, at), result);
+                let cell = match function.body {
+                    Body::Scalar(body) => Some(body(scalar, &cells)),
+                    Body::Quotient(body) => body(scalar, &cells),
+                    _ => None,
+                };
+                return match cell {
+                    Some(cell) => LiteralOperand::Value(self.constant(cell, ty, at), result),
+                    None => self.division_by_zero(at),
+                };
             }
         }
         if self.context.constant {

@@ -194,6 +194,9 @@ impl Walk {
                     "-" => apply(ty, a, b, |a, b| a - b, |a, b| a - b, |a, b| a - b),
                     "*" => apply(ty, a, b, |a, b| a.wrapping_mul(b), |a, b| a * b, |a, b| a * b),
                     "/" | "MOD" if matches!(b, V::N(0)) => return Err(ProgramFaultKind::DivisionByZero),
+                    "/" if matches!(b, V::F(n) if n == 0.0) || matches!(b, V::D(n) if n == 0.0) => {
+                        return Err(ProgramFaultKind::RealDivisionByZero);
+                    }
                     "/" => apply(ty, a, b, |a, b| a / b, |a, b| a / b, |a, b| a / b),
                     "MOD" => V::N(register(whole(a) % whole(b), ty)),
                     "AND" => V::N(whole(a) & whole(b)),

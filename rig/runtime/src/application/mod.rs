@@ -435,6 +435,7 @@ fn form_of(ty: Elementary) -> RegisterFormat {
 fn application_fault(fault: program::ProgramFault, profile: Profile) -> ApplicationFault {
     let (error, class) = match fault.kind {
         ProgramFaultKind::DivisionByZero => (ApplicationError::IntegerDivision, FaultClass::Application),
+        ProgramFaultKind::RealDivisionByZero => (ApplicationError::RealDivision, FaultClass::Application),
         // The 2014 document names an exceeded array as a system error. The later ones do not, and they let
         // system errors that can be managed at run time be treated as application errors (controller:ERR-02).
         ProgramFaultKind::Bounds if profile == Profile::M241_2014 => {
