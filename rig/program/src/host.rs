@@ -77,8 +77,10 @@ pub enum ProgramFaultKind {
     RealDivisionByZero,
     /// An index outside the bounds of its array.
     Bounds,
-    /// A pointer, reference or interface that leads nowhere, or to what may not be written.
+    /// A pointer, reference or interface that leads nowhere, where it is read or called.
     BadReference,
+    /// A store through a pointer or reference that leads nowhere, or to what may not be written.
+    ReservedWrite,
     /// Calls that need more room than the task's stack has.
     StackDepth,
     /// The code asked for what the compiler never emits: a defect of the rig.
@@ -92,6 +94,7 @@ impl fmt::Display for ProgramFaultKind {
             ProgramFaultKind::RealDivisionByZero => "real division by zero",
             ProgramFaultKind::Bounds => "index outside the bounds of the array",
             ProgramFaultKind::BadReference => "reference to no variable",
+            ProgramFaultKind::ReservedWrite => "write to reserved memory",
             ProgramFaultKind::StackDepth => "calls nested too deep",
             ProgramFaultKind::Internal => "internal fault of the compiler",
         })

@@ -83,6 +83,8 @@ pub(crate) struct IndexOf {
     pub high: i64,
     /// Bytes from one element to the next.
     pub stride: u32,
+    /// What is found is stored to: a base that leads nowhere is a write there.
+    pub stored: bool,
 }
 
 /// A text in memory: its place and its size in bytes with the closing unit.

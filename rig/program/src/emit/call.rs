@@ -2,7 +2,7 @@
 
 use super::expr::{BOOL, has_effects};
 use super::frame::in_next;
-use super::place::Aim;
+use super::place::{Aim, PlaceUse};
 use super::{Dest, Emitter, Value, ops};
 use crate::code::{AddressBase, Op, Operand};
 use crate::findings::SourcePlace;
@@ -60,7 +60,7 @@ impl Emitter<'_, '_, '_> {
         match callee {
             Callee::Unit(_) | Callee::Same(_) => (Instance::Fixed(Operand(0)), 0),
             Callee::Of(_, place) | Callee::Native(_, place) => {
-                let (operand, cost) = self.place(place);
+                let (operand, cost) = self.place(place, PlaceUse::Load);
                 match operand.base() {
                     AddressBase::Indirect => {
                         let slot = Operand::new(AddressBase::Frame, operand.offset());
@@ -120,7 +120,7 @@ impl Emitter<'_, '_, '_> {
 
     fn set_pin(&mut self, place: &TreePlace, value: &Expr, instance: Instance) {
         let mark = self.mark();
-        let (at, cost) = self.pin(place, instance);
+        let (at, cost) = self.pin(place, instance, PlaceUse::Store);
         let cost = cost.saturating_add(self.writing(place.ty, place.retained));
         self.written(place);
         self.store(value, Dest { at, ty: place.ty, cost });
@@ -128,7 +128,7 @@ impl Emitter<'_, '_, '_> {
     }
 
     /// The operand of a pin: the address of the instance is not computed again.
-    fn pin(&mut self, place: &TreePlace, instance: Instance) -> (Operand, u32) {
+    fn pin(&mut self, place: &TreePlace, instance: Instance, used: PlaceUse) -> (Operand, u32) {
         let dynamic = !place.indices.is_empty() || matches!(place.root, TreeRoot::Address(_));
         match instance {
             Instance::Address { slot, offset } if dynamic => {
@@ -138,10 +138,10 @@ impl Emitter<'_, '_, '_> {
                     return (of, 0);
                 }
                 let pin = self.temporary(Ty::Address);
-                self.address_at_offset(of, after, pin, 0, place.at);
+                self.address_at_offset(of, (after, used), pin, 0, place.at);
                 (Operand::new(AddressBase::Indirect, pin.offset()), 0)
             }
-            _ => self.place(place),
+            _ => self.place(place, used),
         }
     }
 
@@ -180,7 +180,7 @@ impl Emitter<'_, '_, '_> {
             let aim = self.aim(&output.target);
             let value = match (&output.from, value) {
                 (Slot::Place(place), _) => {
-                    let (at, cost) = self.pin(place, instance);
+                    let (at, cost) = self.pin(place, instance, PlaceUse::Load);
                     let cost = cost.saturating_add(self.reading(place.ty, place.retained));
                     Some(Value { at, ty: place.ty, cost, fixed: false })
                 }

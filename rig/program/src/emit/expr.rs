@@ -1,6 +1,7 @@
 //! Expressions.
 
 use super::convert::{is_cut, same_bits};
+use super::place::PlaceUse;
 use super::{Dest, Emitter, Value, ops};
 use crate::code::{AddressBase, Op, Operand};
 use crate::codes::Code;
@@ -202,7 +203,7 @@ impl Emitter<'_, '_, '_> {
             ExprKind::Binary(..) => self.short_circuit(expr, to),
             ExprKind::LoadBit(place, bit) => {
                 self.read_bit(place, *bit);
-                let (from, cost) = self.place(place);
+                let (from, cost) = self.place(place, PlaceUse::Load);
                 let cost = cost.saturating_add(self.reading(BOOL, place.retained)).saturating_add(to.cost);
                 self.push(Op::LoadBit, (to.at.0, from.0, *bit), cost, at);
             }
@@ -236,7 +237,7 @@ impl Emitter<'_, '_, '_> {
                 self.push(Op::IsKind, (to.at.0, value.at.0, *kind), cost, at);
             }
             ExprKind::AddressOf(place) => {
-                let (of, cost) = self.place(place);
+                let (of, cost) = self.place(place, PlaceUse::Load);
                 self.operate(Op::Address, [to.at, of, Operand(0)], cost.saturating_add(to.cost), at);
             }
             // These stand somewhere.

@@ -13,6 +13,15 @@ pub(super) enum Aim {
     Bit { at: Operand, bit: u32, cost: u32 },
 }
 
+/// What a place is looked up for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PlaceUse {
+    /// To be read, called, or passed on by its address.
+    Load,
+    /// To be written.
+    Store,
+}
+
 /// The operand of a place that needs no address.
 fn direct(root: &TreeRoot, offset: u32) -> Option<Operand> {
     let base = match root {
@@ -26,7 +35,7 @@ fn direct(root: &TreeRoot, offset: u32) -> Option<Operand> {
 
 impl Emitter<'_, '_, '_> {
     /// The operand of a place, and what finding it costs besides what was charged.
-    pub(super) fn place(&mut self, place: &TreePlace) -> (Operand, u32) {
+    pub(super) fn place(&mut self, place: &TreePlace, used: PlaceUse) -> (Operand, u32) {
         let mut own = None;
         let (of, offset, mut cost) = match &place.root {
             TreeRoot::Address(address) => match self.known_address(address, place.offset) {
@@ -45,11 +54,11 @@ impl Emitter<'_, '_, '_> {
         let mut of = of;
         if offset > 0 {
             // The operation for indices finds an address that is none before the offset hides it.
-            self.address_at_offset(of, offset, slot, std::mem::take(&mut cost), place.at);
+            self.address_at_offset(of, (offset, used), slot, std::mem::take(&mut cost), place.at);
             of = Operand::new(AddressBase::Indirect, slot.offset());
         }
         for index in &place.indices {
-            self.index(index, of, slot, std::mem::take(&mut cost));
+            self.index(index, (of, used), slot, std::mem::take(&mut cost));
             of = Operand::new(AddressBase::Indirect, slot.offset());
         }
         (of, cost)
@@ -59,22 +68,24 @@ impl Emitter<'_, '_, '_> {
     pub(super) fn address_at_offset(
         &mut self,
         of: Operand,
-        offset: u32,
+        (offset, used): (u32, PlaceUse),
         slot: Operand,
         cost: u32,
         at: SourcePlace,
     ) {
         let zero = self.constant(0, Ty::Scalar(Elementary::Usint));
         let entry = self.indexes.len() as u32;
-        self.indexes.push(IndexOf { of, low: -i64::from(offset), high: 0, stride: 1 });
+        let stored = used == PlaceUse::Store;
+        self.indexes.push(IndexOf { of, low: -i64::from(offset), high: 0, stride: 1, stored });
         self.push(Op::IndexU8, (slot.0, zero.at.0, entry), cost, at);
     }
 
-    fn index(&mut self, index: &Index, of: Operand, slot: Operand, cost: u32) {
+    fn index(&mut self, index: &Index, (of, used): (Operand, PlaceUse), slot: Operand, cost: u32) {
         let mark = self.mark();
         let value = self.value(&index.value);
         let entry = self.indexes.len() as u32;
-        self.indexes.push(IndexOf { of, low: index.low, high: index.high, stride: index.stride });
+        let Index { low, high, stride, .. } = *index;
+        self.indexes.push(IndexOf { of, low, high, stride, stored: used == PlaceUse::Store });
         let cost = cost.saturating_add(value.cost).saturating_add(self.costs.index);
         let op = ops::index(ops::scalar(value.ty));
         self.push(op, (slot.0, value.at.0, entry), cost, index.value.at);
@@ -141,14 +152,14 @@ impl Emitter<'_, '_, '_> {
     /// The variable as a value.
     pub(super) fn load(&mut self, place: &TreePlace) -> Value {
         self.read(place);
-        let (at, cost) = self.place(place);
+        let (at, cost) = self.place(place, PlaceUse::Load);
         let cost = cost.saturating_add(self.reading(place.ty, place.retained));
         Value { at, ty: place.ty, cost, fixed: false }
     }
 
     /// The variable as a destination.
     pub(super) fn destination(&mut self, place: &TreePlace) -> Dest {
-        let (at, cost) = self.place(place);
+        let (at, cost) = self.place(place, PlaceUse::Store);
         self.written(place);
         Dest { at, ty: place.ty, cost: cost.saturating_add(self.writing(place.ty, place.retained)) }
     }
@@ -182,7 +193,7 @@ impl Emitter<'_, '_, '_> {
         match target {
             Target::Place(place) => Aim::Place(self.destination(place)),
             Target::Bit(place, bit) => {
-                let (at, cost) = self.place(place);
+                let (at, cost) = self.place(place, PlaceUse::Store);
                 let bits = if place.indices.is_empty() { 1 } else { 0 };
                 if bits == 1 {
                     self.written_bit(place, *bit);
@@ -226,7 +237,7 @@ impl Emitter<'_, '_, '_> {
         }
         self.written(place);
         let ty = Ty::Address;
-        let (at, cost) = self.place(place);
+        let (at, cost) = self.place(place, PlaceUse::Load);
         Some(match at.base() {
             AddressBase::Absolute => self.constant(i64::from(at.offset()), ty),
             AddressBase::Indirect => {

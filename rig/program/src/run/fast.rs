@@ -37,6 +37,8 @@ pub(crate) struct FastIndex {
     pub(super) from: OperandBase,
     /// The array's address stands where `of` leads.
     pub(super) indirect: bool,
+    /// See [`IndexOf::stored`].
+    pub(super) stored: bool,
 }
 
 /// Code and indexes in the form that runs. Places in them are those of the program.
@@ -74,6 +76,7 @@ fn index(index: &IndexOf) -> FastIndex {
         of: index.of.offset(),
         from: OperandBase::of(index.of.base()),
         indirect: index.of.base() == AddressBase::Indirect,
+        stored: index.stored,
     }
 }
 

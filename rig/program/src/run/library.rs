@@ -96,13 +96,15 @@ impl ProgramMemory<'_> {
             }
         }
         let (result, length) = (of.result, of.out.length);
+        let target =
+            |memory: &[u8], operand| place(memory, operand).map_err(|_| ProgramFaultKind::ReservedWrite);
         match &call.result {
             LibraryArgument::Cell(operand, ty) => {
-                let at = place(memory, *operand)?;
+                let at = target(memory, *operand)?;
                 Ok(CallResult::Done(self.store(memory, at, ty.bytes() as u32, result as u64, by)))
             }
             LibraryArgument::Text(text) => {
-                let at = TextSpan::new(place(memory, text.at)?, text);
+                let at = TextSpan::new(target(memory, text.at)?, text);
                 let length = length.saturating_mul(at.unit() as usize).min(text.bytes as usize);
                 let units = bytes.get(..length).unwrap_or_default();
                 Ok(CallResult::Done(self.store_text(memory, at, units, by)))

@@ -117,9 +117,12 @@ pub(crate) fn run<const DEBUG: bool>(
         // Where an operand that stands in a table leads.
         macro_rules! resolve {
             ($operand:expr) => {
+                resolve!($operand, BadReference)
+            };
+            ($operand:expr, $kind:ident) => {
                 match place(memory, bases, $operand) {
                     Some(at) => at,
-                    None => fault!(BadReference),
+                    None => fault!($kind),
                 }
             };
         }
@@ -147,7 +150,7 @@ pub(crate) fn run<const DEBUG: bool>(
                 match $stored {
                     Stored::Fine => {}
                     Stored::Touched => break 'slice Exit::Touched,
-                    Stored::Bad => fault!(BadReference),
+                    Stored::Bad => fault!(ReservedWrite),
                 }
             };
         }
@@ -245,6 +248,9 @@ pub(crate) fn run<const DEBUG: bool>(
                 if index.indirect {
                     first = load!(u32, first);
                     if first < map::FIRST {
+                        if index.stored {
+                            fault!(ReservedWrite);
+                        }
                         fault!(BadReference);
                     }
                 }
@@ -319,19 +325,20 @@ pub(crate) fn run<const DEBUG: bool>(
         }
 
         macro_rules! follow {
-            ($bit:literal, $at:ident) => {
+            ($bit:literal, $at:ident, $kind:ident) => {
                 if step.indirect & $bit != 0 {
                     $at = load!(u32, $at);
                     if $at < map::FIRST {
-                        fault!(BadReference);
+                        fault!($kind);
                     }
                 }
             };
         }
         if step.indirect != 0 {
-            follow!(1, a);
-            follow!(2, b);
-            follow!(4, c);
+            follow!(2, b, BadReference);
+            follow!(4, c, BadReference);
+            // What an operation writes is `a` always, and it reads before.
+            follow!(1, a, ReservedWrite);
         }
 
         macro_rules! op {
@@ -395,7 +402,10 @@ pub(crate) fn run<const DEBUG: bool>(
                     fault!(Internal)
                 };
                 let now = now.saturating_add(Span::from_nanos(budget - left));
-                settle!(world.call_native(memory, native, pins, at, now));
+                match world.call_native(memory, native, pins, at, now) {
+                    Stored::Bad => fault!(BadReference),
+                    stored => settle!(stored),
+                }
             }
             Op::CallLibrary => {
                 let Some(call) = program.library.get(b as usize) else { fault!(Internal) };
@@ -413,7 +423,7 @@ pub(crate) fn run<const DEBUG: bool>(
             Op::MoveText => {
                 let Some(pair) = program.texts.get(c as usize) else { fault!(Internal) };
                 let pair = TextOperands {
-                    to: TextSpan::new(resolve!(pair.to.at), &pair.to),
+                    to: TextSpan::new(resolve!(pair.to.at, ReservedWrite), &pair.to),
                     of: TextSpan::new(resolve!(pair.of.at), &pair.of),
                 };
                 match world.move_text(memory, &pair, By { pc: here, unit }) {

@@ -35,7 +35,7 @@ pub(crate) fn finish_service(
             task.position = task.programs.len();
             let file = program.units.get(usize::from(by.unit)).map_or(0, |unit| unit.file);
             let line = program.lines.get(by.pc).copied().unwrap_or(0);
-            Some(StopReason::Fault(ProgramFault { kind: ProgramFaultKind::BadReference, file, line }))
+            Some(StopReason::Fault(ProgramFault { kind: ProgramFaultKind::ReservedWrite, file, line }))
         }
     };
     (stop, world.changed)

@@ -212,7 +212,7 @@ impl ProgramMemory<'_> {
         Some(())
     }
 
-    /// `length` bytes from anywhere to anywhere; they may overlap. `None` where the source is bad.
+    /// `length` bytes from anywhere to anywhere; they may overlap. `None` where the source is bad, which is looked at first.
     pub fn copy(&mut self, memory: &mut [u8], to: u32, from: u32, length: u32, by: By) -> Option<Stored> {
         if length == 0 {
             return Some(Stored::Fine);
@@ -224,11 +224,11 @@ impl ProgramMemory<'_> {
         let source = from..from + length;
         let target = to..to + length;
         let flags = self.flags;
-        let (Some(new), Some(old)) = (memory.get(source.clone()), memory.get(target.clone())) else {
-            return None;
+        let new = memory.get(source.clone())?;
+        let (Some(old), Some(flags)) = (memory.get(target.clone()), flags.get(target)) else {
+            return Some(Stored::Bad);
         };
         let mut stored = Stored::Fine;
-        let flags = flags.get(target)?;
         if flags.iter().any(|flag| *flag != 0) {
             stored = self.note(old, flags, new.iter().copied());
         }
@@ -241,9 +241,12 @@ impl ProgramMemory<'_> {
     /// The same with one end in the host's areas: in words where both ends are aligned.
     fn copy_out(&mut self, memory: &mut [u8], to: u32, from: u32, length: u32, by: By) -> Option<Stored> {
         let inside = |at: u32| memory.get(at as usize..).is_some_and(|rest| rest.len() >= length as usize);
-        let ends = [to, from].map(|at| if foreign(at) { self.exists(at, length) } else { inside(at) });
-        if ends != [true; 2] {
+        let is_there = |at: u32| if foreign(at) { self.exists(at, length) } else { inside(at) };
+        if !is_there(from) {
             return None;
+        }
+        if !is_there(to) {
+            return Some(Stored::Bad);
         }
         let width = if (to | from | length).is_multiple_of(2) { 2 } else { 1 };
         let count = length / width;

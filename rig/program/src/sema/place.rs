@@ -86,7 +86,7 @@ impl<'a> Sema<'a> {
         }
     }
 
-    /// A global variable with the name of its list before it, as in `ProgramLimits.HIGHEST`: exported lists do not say their
+    /// A global variable with the name of its list before it, as in `LIMITS.HIGHEST`: exported lists do not say their
     /// name, it is that of their file.
     fn listed(&self, of: &ast::Expr, name: Name) -> Option<u32> {
         let ast::ExprKind::Name(list) = &of.kind else { return None };

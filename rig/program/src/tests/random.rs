@@ -117,7 +117,7 @@ prop_compose! {
         build.program.library = library;
         build.program.indexes = indexes
             .into_iter()
-            .map(|(of, low, high, stride)| IndexOf { of: Operand(of), low, high, stride })
+            .map(|(of, low, high, stride)| IndexOf { of: Operand(of), low, high, stride, stored: low < 0 })
             .collect();
         build.program.lines = vec![1; code.len()];
         build.program.statements = (0..code.len() as u32).map(|pc| Statement { pc, file: 0, line: pc }).collect();

@@ -17,7 +17,7 @@ fn sample() -> Builder {
     let nine = build.constant(&9i32.to_le_bytes());
     let i = build.global("i", Dint, 0);
     let array = build.variable(&[0; 40]);
-    build.program.indexes.push(IndexOf { of: Operand(at(array)), low: 0, high: 9, stride: 4 });
+    build.program.indexes.push(IndexOf { of: Operand(at(array)), low: 0, high: 9, stride: 4, stored: false });
     build.program("MAIN", &[1]);
     build.statement(Move32, at(i), at(zero), 0);
     let turn = build.statement(Frame, 1, 0, 0);
@@ -200,7 +200,13 @@ fn faults_name_kind_and_line() {
         let constant = build.constant(&(-1i64).to_le_bytes());
         let variable = build.global("x", Lint, 0);
         assert_eq!((constant, variable), (64, 72));
-        build.program.indexes.push(IndexOf { of: Operand(at(variable)), low: 0, high: 7, stride: 1 });
+        build.program.indexes.push(IndexOf {
+            of: Operand(at(variable)),
+            low: 0,
+            high: 7,
+            stride: 1,
+            stored: false,
+        });
         build.program("MAIN", &[]);
         build.op(Move64, frame(0), at(constant), 0);
         build.op(op, a, b, c);
@@ -214,11 +220,11 @@ fn faults_name_kind_and_line() {
         (small(IndexU64, frame(8), constant, 0), ProgramFaultKind::Bounds),
         (small(IndexU64, frame(8), variable, 7), ProgramFaultKind::Internal),
         // Constants are not written, nor what lies below them.
-        (small(Move8, constant, variable, 0), ProgramFaultKind::BadReference),
-        (small(Move64, at(60), variable, 0), ProgramFaultKind::BadReference),
-        (small(Copy, constant, variable, 4), ProgramFaultKind::BadReference),
+        (small(Move8, constant, variable, 0), ProgramFaultKind::ReservedWrite),
+        (small(Move64, at(60), variable, 0), ProgramFaultKind::ReservedWrite),
+        (small(Copy, constant, variable, 4), ProgramFaultKind::ReservedWrite),
         // 16#FFFF_FFFF leads nowhere.
-        (small(Move8, via(0), variable, 0), ProgramFaultKind::BadReference),
+        (small(Move8, via(0), variable, 0), ProgramFaultKind::ReservedWrite),
         (small(Move8, variable, via(0), 0), ProgramFaultKind::BadReference),
         (small(Copy, variable, via(0), 8), ProgramFaultKind::BadReference),
         (small(CallThis, 0, via(0), 0), ProgramFaultKind::BadReference),
@@ -226,10 +232,10 @@ fn faults_name_kind_and_line() {
         (small(CallVirtual, 0, variable, 0), ProgramFaultKind::BadReference),
         (small(IsKind, variable, frame(0), 0), ProgramFaultKind::BadReference),
         // Inputs are not written, and images have an end.
-        (small(Move8, at(0x1000_0000), variable, 0), ProgramFaultKind::BadReference),
+        (small(Move8, at(0x1000_0000), variable, 0), ProgramFaultKind::ReservedWrite),
         (small(Move8, variable, at(0x1000_0008), 0), ProgramFaultKind::BadReference),
         (small(Move64, variable, at(0x1000_0001), 0), ProgramFaultKind::BadReference),
-        (small(Move16, at(0x3000_00C7), variable, 0), ProgramFaultKind::BadReference),
+        (small(Move16, at(0x3000_00C7), variable, 0), ProgramFaultKind::ReservedWrite),
         (small(Call, 9, 0, 0), ProgramFaultKind::Internal),
         (small(Jump, 1000, 0, 0), ProgramFaultKind::Internal),
     ];
@@ -241,12 +247,15 @@ fn faults_name_kind_and_line() {
 #[test]
 fn null_is_a_bad_reference() {
     for op in [Move8, Move64] {
-        for (a, b) in [(via(0), frame(8)), (frame(8), via(0))] {
+        for (a, b, kind) in [
+            (via(0), frame(8), ProgramFaultKind::ReservedWrite),
+            (frame(8), via(0), ProgramFaultKind::BadReference),
+        ] {
             let mut build = Builder::default();
             build.program("MAIN", &[]);
             build.op(op, a, b, 0);
             build.op(Return, 0, 0, 0);
-            assert_eq!(fault(build).kind, ProgramFaultKind::BadReference);
+            assert_eq!(fault(build).kind, kind);
         }
     }
 }

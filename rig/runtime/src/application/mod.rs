@@ -444,6 +444,8 @@ fn application_fault(fault: program::ProgramFault, profile: Profile) -> Applicat
         ProgramFaultKind::Bounds | ProgramFaultKind::BadReference => {
             (ApplicationError::ReservedMemory, FaultClass::Application)
         }
+        // All three documents name a write to memory that is reserved at run time; a read is none.
+        ProgramFaultKind::ReservedWrite => (ApplicationError::ReservedMemory, FaultClass::System),
         // What lies beyond the stack is memory reserved at run time, and no task can go on without its stack.
         ProgramFaultKind::StackDepth => (ApplicationError::ReservedMemory, FaultClass::System),
         ProgramFaultKind::Internal => (ApplicationError::UndefinedInstruction, FaultClass::System),
