@@ -6,8 +6,8 @@ use document::SourceFile;
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// Name of the source that declares the structures.
-const NAME: &str = "PLCSystem";
+/// Name of the source that declares the structures: their list, whose name may stand before theirs (plcsystem:GVL-01).
+const NAME: &str = "PLC_GVL";
 
 /// The structures, each with what of it programs only read.
 const STRUCTURES: [(&str, &[&str]); 2] = [("PLC_R", &["PLC_R"]), ("PLC_W", &[])];
@@ -106,6 +106,9 @@ mod tests {
         let read_only = codes("PLC_R.i_wStatus := 1;");
         assert_eq!(read_only, ["S0401"]);
         assert_eq!(codes("PLC_R.i_wStatus.1 := TRUE;"), read_only);
+        assert_eq!(codes("PLC_GVL.PLC_R.i_wStatus := 1;"), read_only);
+        assert_eq!(codes("PLC_GVL.PLC_W.q_wPLCControl := PLC_GVL.plc_r.i_wStatus;"), Vec::<&str>::new());
+        assert_eq!(codes("w := PLC_GVL.PLC_R.no_member;"), codes("w := PLC_R.no_member;"));
         // A local variable of the name is the program's own.
         let own = "PROGRAM MAIN VAR plc_r : WORD; END_VAR plc_r := 1; END_PROGRAM";
         assert!(compile(&[SourceFile::new("a.st", own)], Profile::default()).is_ok());
