@@ -292,10 +292,12 @@ impl ShapeFollower {
         }
     }
 
-    /// A stretch of which nothing is known.
+    /// A stretch of which nothing is known. One that cannot lie in the window leaves it as it is, its last stretch too.
     pub fn unknown(&mut self, seen: &TimedValue) {
-        self.found.doubtful |= self.window.can_hold(seen);
-        (self.open, self.last, self.lone) = ([None; 2], None, [None; 2]);
+        if self.window.can_hold(seen) {
+            self.found.doubtful = true;
+            (self.open, self.last, self.lone) = ([None; 2], None, [None; 2]);
+        }
     }
 
     fn judge(&mut self, side: usize, stretch: &CountStretch, end: &TimedValue, tangled: bool) {
