@@ -363,7 +363,12 @@ impl Gauge {
                     return failed(record, "nothing counted in the window");
                 }
                 let record = judge(record, &bounds, found.needed.0, found.needed.1);
-                seen_whole(record, found.doubtful)
+                match found.counts.0 {
+                    0 if !found.doubtful && record.verdict != Verdict::Fail => {
+                        open(record, "it is open whether anything counted in the window")
+                    }
+                    _ => seen_whole(record, found.doubtful),
+                }
             }
         }
     }
