@@ -133,7 +133,7 @@ impl SettlesClaim {
 
     /// What takes excursions out of the band that do not count out of the signal.
     fn short_excursions(&self, info: &SignalInfo, band: &ValueTest) -> Option<PulseFilter> {
-        PulseRule::breaks(self.longer_than).of_level(Some(band.clone())).filter(info)
+        PulseRule::breaks(self.longer_than).of_level(Some(band.clone())).filter(info, 0)
     }
 
     fn bind(&self, info: &SignalInfo) -> Result<(ValueTest, Option<OvershootLimit>), String> {

@@ -163,7 +163,7 @@ impl CaseJudge {
         for (at, expectation) in scenario.expectations.iter().enumerate() {
             let held_back = signals_of(expectation, signals).any(|info| {
                 let rule = expectation.claim.pulses(info);
-                rule.filter(info).is_some() || rule.can_rescue(info)
+                rule.filter(info, 0).is_some() || rule.can_rescue(info)
             });
             if held_back || scenario.part_of_claim(expectation) == CasePart::Teardown {
                 live.pass_over(at);
@@ -192,7 +192,7 @@ impl CaseJudge {
             let scene = CaseTimeline {
                 signals,
                 anchors,
-                disordered: &[],
+                order: &[],
                 open_from: Some(now),
                 closing: false,
                 held: 0,
@@ -254,12 +254,12 @@ impl CaseJudge {
         note: &dyn Fn(&str) -> Option<String>,
     ) -> Result<JudgedCase, E> {
         self.anchors.end(end, self.fed);
-        let disordered = self.live.disordered();
+        let order = self.live.order();
         let (signals, anchors) = (&self.signals, &self.anchors);
         let scene = CaseTimeline {
             signals,
             anchors,
-            disordered: &disordered,
+            order: &order,
             open_from: None,
             closing: false,
             held: 0,
@@ -374,7 +374,7 @@ impl FinalReading {
             counting: PulseLimits::default(),
         };
         for at in 0..scene.signals.len() {
-            let hold = scene.disordered.get(at).copied().unwrap_or(false);
+            let hold = scene.order.get(at).is_some_and(|order| order.disordered);
             stage.lines.push(FollowedSignal {
                 orderer: Orderer::new(hold),
                 followers: Vec::new(),
@@ -427,7 +427,7 @@ impl FinalReading {
         for (slot, name) in names.iter().enumerate() {
             let Some(line) = scene.signals.iter().position(|info| info.name == *name) else { continue };
             let mut follower = Follower { at, slot, last, end: scene.earliest_end(), filter: None };
-            if let Some(filter) = rule(&scene.signals[line]).filter(&scene.signals[line]) {
+            if let Some(filter) = rule(&scene.signals[line]).filter(&scene.signals[line], scene.lag(name)) {
                 held = held.max(filter.holds_for());
                 follower.filter = Some(self.short.add(filter, follower));
             }

@@ -8,7 +8,7 @@ use signal::{Event, SignalInfo};
 use super::order::Orderer;
 use crate::expect::Expectation;
 use crate::lang::{Anchor, AnchorBase};
-use crate::monitor::{CaseTimeline, Monitor, TimedValue, lag};
+use crate::monitor::{CaseTimeline, EventOrder, Monitor, TimedValue, lag};
 
 /// How far a claim is watched.
 enum ClaimWatch {
@@ -36,6 +36,7 @@ struct WatchedSignal {
     orderer: Orderer,
     followers: Vec<(usize, usize)>,
     last: Option<TimedValue>,
+    order: EventOrder,
 }
 
 /// The claims under watch.
@@ -67,6 +68,7 @@ impl LiveReading {
             orderer: Orderer::new(false),
             followers: Vec::new(),
             last: None,
+            order: EventOrder::default(),
         };
         let mut live = LiveReading {
             watches: Vec::new(),
@@ -107,13 +109,15 @@ impl LiveReading {
 
     #[inline]
     pub(crate) fn feed(&mut self, event: &Event, place: u64) {
-        self.now = self.now.max(event.at.earliest.as_nanos());
+        let newest = self.now;
+        self.now = newest.max(event.at.earliest.as_nanos());
         self.reached = self.reached.max(self.now);
         let Some(line) = self.lines.get_mut(event.signal.0 as usize) else { return };
+        line.order.see(event.at, newest);
         if line.followers.is_empty() {
             return;
         }
-        let WatchedSignal { orderer, followers, last } = line;
+        let WatchedSignal { orderer, followers, last, .. } = line;
         if self.idle {
             orderer.push(event, place, |_| {});
             return;
@@ -184,9 +188,11 @@ impl LiveReading {
         self.watches[at] = ClaimWatch::Running { monitor, open };
     }
 
-    /// For every signal, whether its intervals ran backwards. Known only for those that claims look at.
-    pub(crate) fn disordered(&self) -> Vec<bool> {
-        self.lines.iter().map(|line| line.orderer.is_disordered()).collect()
+    /// How the events of every signal lay in the trace. Whether intervals ran backwards is known only of those that claims
+    /// look at.
+    pub(crate) fn order(&self) -> Vec<EventOrder> {
+        let order = |line: &WatchedSignal| EventOrder { disordered: line.orderer.is_disordered(), ..line.order };
+        self.lines.iter().map(order).collect()
     }
 
     /// Whether a claim is lost.

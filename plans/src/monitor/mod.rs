@@ -35,7 +35,7 @@ pub use finding::Finding;
 pub(crate) use finding::{clipped, span_margin};
 pub use instants::{TimedValue, UncertainInstant, UncertainWindow};
 pub(crate) use pulse_filter::PulseFilter;
-pub(crate) use timeline::lag;
+pub(crate) use timeline::{EventOrder, lag};
 pub use timeline::{CaseTimeline, NotJudged, TraceSignals};
 pub use unseen::{PulseRule, UnseenPulses};
 pub(crate) use value_test::differs_at_most;

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use signal::{Sampling, SignalInfo, Span};
+use signal::{Sampling, SignalInfo, Span, When};
 
 use super::anchors::Anchors;
 use super::{UncertainInstant, UncertainWindow};
@@ -53,13 +53,34 @@ impl fmt::Display for NotJudged {
     }
 }
 
+/// How the events of one signal lie in the trace of the case: what a first reading of all of it found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct EventOrder {
+    /// An interval ended before its predecessor's.
+    pub(crate) disordered: bool,
+    /// How far an event began before the beginning of one that stands before it in the trace, at most, nanoseconds.
+    pub(crate) lag: i64,
+    /// The widest interval, nanoseconds.
+    pub(crate) widest: i64,
+}
+
+impl EventOrder {
+    /// The next event of the signal, when the newest of the trace before it began at `newest`.
+    #[inline]
+    pub(crate) fn see(&mut self, at: When, newest: i64) {
+        let [earliest, latest] = [at.earliest.as_nanos(), at.latest.as_nanos()];
+        self.lag = self.lag.max(newest.saturating_sub(earliest));
+        self.widest = self.widest.max(latest.saturating_sub(earliest));
+    }
+}
+
 /// The signals and instants of one case.
 #[derive(Clone, Copy, Debug)]
 pub struct CaseTimeline<'a> {
     pub(crate) signals: &'a [SignalInfo],
     pub(crate) anchors: &'a Anchors,
-    /// For every signal, whether its intervals run backwards; empty where that is not known yet.
-    pub(crate) disordered: &'a [bool],
+    /// How the events of every signal lie in the trace; empty where that is not known yet.
+    pub(crate) order: &'a [EventOrder],
     /// While the trace grows: an end that is not known yet lies at this instant or later.
     pub(crate) open_from: Option<i64>,
     /// `end` is the end of the teardown: for what looks at the teardown.
@@ -126,14 +147,24 @@ impl<'a> CaseTimeline<'a> {
         self.open_from.is_some() && self.point(until).is_err()
     }
 
-    /// How far after the newest event of the trace an event of this signal can begin, nanoseconds.
+    /// How far before the newest event of the trace one of this signal that comes after it can begin, nanoseconds.
+    ///
+    /// The trace itself says so once it was read: a board may report later than its channels promise, and a rig that
+    /// wakes late widens what it saw.
     pub fn lag(&self, name: &str) -> i64 {
-        match self.signals.iter().position(|info| info.name == name) {
-            Some(at) if !self.disordered.get(at).copied().unwrap_or(false) => {
+        let Some(at) = self.signals.iter().position(|info| info.name == name) else { return i64::MAX };
+        let order = match self.order.get(at) {
+            Some(order) if order.disordered => return i64::MAX,
+            Some(order) => *order,
+            None => {
                 let lag = lag(&self.signals[at]).as_nanos();
-                if self.held > 0 { lag.saturating_mul(2).saturating_add(self.held) } else { lag }
+                EventOrder { lag, widest: lag, ..EventOrder::default() }
             }
-            _ => i64::MAX,
+        };
+        match self.held {
+            0 => order.lag,
+            // A change is held back until it is as old, and may have begun as much earlier where nothing was known before.
+            held => order.lag.saturating_add(order.widest).saturating_add(held.saturating_mul(2)),
         }
     }
 

@@ -8,7 +8,7 @@ use record::Verdict;
 use signal::{Sampling, SignalInfo, Span, ValueKind};
 
 use super::pulse_filter::{PulseFilter, PulseLevel};
-use super::{Finding, ValueTest, lag, slack};
+use super::{Finding, ValueTest, slack};
 
 /// What pulses that nobody saw could do to the answer that is given by what was seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -68,15 +68,16 @@ impl PulseRule {
         PulseRule { level, ..self }
     }
 
-    /// What takes short pulses out of a signal before its monitor sees them. A value of a number is no pulse by itself.
-    pub(crate) fn filter(&self, info: &SignalInfo) -> Option<PulseFilter> {
+    /// What takes short pulses out of a signal before its monitor sees them. A value of a number is no pulse by itself. `lag`
+    /// is that of [`super::CaseTimeline::lag`].
+    pub(crate) fn filter(&self, info: &SignalInfo, lag: i64) -> Option<PulseFilter> {
         let longest = self.longer_than.filter(|span| !self.weighs && *span > Span::ZERO)?;
         let level = match &self.level {
             Some(test) => PulseLevel::Test(test.clone(), slack(info)),
             None if info.kind == ValueKind::Bool => PulseLevel::Line,
             None => return None,
         };
-        Some(PulseFilter::new(level, longest.as_nanos(), lag(info).as_nanos()))
+        Some(PulseFilter::new(level, longest.as_nanos(), lag))
     }
 
     /// Whether what was seen to be wrong could be right, because pulses of this signal can go unseen.
