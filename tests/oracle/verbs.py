@@ -137,11 +137,8 @@ def follows(keys, placement):
             if left is not None and right is not None and distance(left, right) > keys.get("tolerance", 0):
                 found.append((one, other))
         return merged(found)
-    longest_allowed = keys.get("longest", 0)
-    inside = all(to - since <= longest_allowed for since, to in apart(begin))
-    whole = all(to - since <= longest_allowed for since, to in apart(-LAST) if to > begin)
-    # Whether a stretch counts from before the window on is not said.
-    return inside if inside == whole else None
+    # A time counts from when it began, before the window too.
+    return all(to - since <= keys.get("longest", 0) for since, to in apart(-LAST) if to > begin)
 
 
 def distance(left, right):

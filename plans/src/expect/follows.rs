@@ -3,7 +3,8 @@
 //! ```toml
 //! { follows = { signal = "speed", leader = "set-point", tolerance = "10 rpm", from = "run", within = "50 ms" } }
 //! ```
-//! `within` is how long the value may lag after: they may be farther apart for so long at a time. The two signals
+//! `within` is how long the value may lag after: they may be farther apart for so long at a time. Such a time counts from
+//! its beginning, before the window too, up to the window's end. The two signals
 //! have clocks and channels of their own, so that changes of both that overlap may have come in any order: between
 //! them the distance is not known.
 
@@ -282,6 +283,7 @@ impl FollowsMonitor {
             self.greatest = Some(self.greatest.map_or(apart, |old| old.max(apart)));
         }
         if close != Truth::True {
+            let end = end.min(self.window.until.b);
             self.longest = self.longest.max(end.saturating_sub(since));
         }
     }

@@ -141,17 +141,26 @@ impl Keeps {
         }
     }
 
-    /// The judge of a signal that is not in the trace but made of some that are.
+    /// The judge of a signal that is not in the trace but made of some that are. A stretch of it counts from its beginning
+    /// up to the end of the window.
     pub(super) fn start_with(
         &self,
         info: &SignalInfo,
         scene: &CaseTimeline<'_>,
     ) -> Result<Box<dyn Monitor>, NotJudged> {
-        let segments = SegmentJudgement::new(scene.window(&self.between.from, &self.between.until)?);
+        let window = scene.window(&self.between.from, &self.between.until)?;
+        let (segments, counts_until) = (SegmentJudgement::new(window), (window.until.a, window.until.b));
         let test = self.test(info).map_err(NotJudged::NoMeaning)?;
         let watched = vec![KeptSignal { test, slack: slack(info), info: info.clone() }];
         let open = scene.is_open(&self.between.until);
-        let common = Common { claim: self.clone(), watched, segments, open, end: scene.earliest_end() };
+        let common = Common {
+            claim: self.clone(),
+            watched,
+            segments,
+            open,
+            end: scene.earliest_end(),
+            counts_until,
+        };
         Ok(Box::new(SingleSignalMonitor::new(common)))
     }
 
@@ -211,7 +220,14 @@ impl TraceClaim for Keeps {
         }
         let open = scene.is_open(&self.between.until);
         let segments = SegmentJudgement::new(window);
-        let common = Common { claim: self.clone(), watched, segments, open, end: scene.earliest_end() };
+        let common = Common {
+            claim: self.clone(),
+            watched,
+            segments,
+            open,
+            end: scene.earliest_end(),
+            counts_until: (i64::MAX, i64::MAX),
+        };
         if self.signals.len() > 1 {
             let lags = self.signals.iter().map(|name| scene.lag(name)).collect();
             return Ok(super::together::start(common, lags));
@@ -236,12 +252,15 @@ pub(super) struct Common {
     pub(super) open: bool,
     /// The end of the case: what lasts until then has no known width.
     pub(super) end: i64,
+    /// Up to when the width of a forbidden stretch counts, at the earliest and at the latest; `i64::MAX` where all of it does.
+    pub(super) counts_until: (i64, i64),
 }
 
 impl Common {
     /// What a forbidden stretch counts for, by its width.
     pub(super) fn weigh(&self, class: Truth, start: &TimedValue, end: (i64, i64)) -> Truth {
         let Some(longer) = self.claim.longer_than else { return class };
+        let end = (end.0.min(self.counts_until.0), end.1.min(self.counts_until.1));
         let width = (end.0.saturating_sub(start.b).max(0), end.1.saturating_sub(start.a));
         match class {
             _ if width.1 <= longer.as_nanos() => Truth::True,
