@@ -153,14 +153,8 @@ impl Keeps {
         let test = self.test(info).map_err(NotJudged::NoMeaning)?;
         let watched = vec![KeptSignal { test, slack: slack(info), info: info.clone() }];
         let open = scene.is_open(&self.between.until);
-        let common = Common {
-            claim: self.clone(),
-            watched,
-            segments,
-            open,
-            end: scene.earliest_end(),
-            counts_until,
-        };
+        let common =
+            Common { claim: self.clone(), watched, segments, open, end: scene.earliest_end(), counts_until };
         Ok(Box::new(SingleSignalMonitor::new(common)))
     }
 

@@ -189,14 +189,8 @@ impl CaseJudge {
         if news {
             let now = event.at.earliest.as_nanos();
             let (signals, anchors) = (&self.signals, &self.anchors);
-            let scene = CaseTimeline {
-                signals,
-                anchors,
-                order: &[],
-                open_from: Some(now),
-                closing: false,
-                held: 0,
-            };
+            let scene =
+                CaseTimeline { signals, anchors, order: &[], open_from: Some(now), closing: false, held: 0 };
             self.live.news(&self.scenario.expectations, &scene, now);
         }
     }
@@ -256,14 +250,8 @@ impl CaseJudge {
         self.anchors.end(end, self.fed);
         let order = self.live.order();
         let (signals, anchors) = (&self.signals, &self.anchors);
-        let scene = CaseTimeline {
-            signals,
-            anchors,
-            order: &order,
-            open_from: None,
-            closing: false,
-            held: 0,
-        };
+        let scene =
+            CaseTimeline { signals, anchors, order: &order, open_from: None, closing: false, held: 0 };
         let why = note("ended").unwrap_or_default();
         let early = EarlyEnd::of(note);
         let mut stage = FinalReading::new(&self.scenario, &scene, &why);

@@ -191,7 +191,8 @@ impl LiveReading {
     /// How the events of every signal lay in the trace. Whether intervals ran backwards is known only of those that claims
     /// look at.
     pub(crate) fn order(&self) -> Vec<EventOrder> {
-        let order = |line: &WatchedSignal| EventOrder { disordered: line.orderer.is_disordered(), ..line.order };
+        let order =
+            |line: &WatchedSignal| EventOrder { disordered: line.orderer.is_disordered(), ..line.order };
         self.lines.iter().map(order).collect()
     }
 

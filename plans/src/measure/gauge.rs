@@ -235,7 +235,7 @@ impl Gauge {
                     window,
                     *figure,
                     found,
-                    scene.earliest_end(),
+                    (scene.earliest_end(), scene.end()),
                 )))
             }
             MeasuredQuantity::Position { train, from, until } => {
