@@ -39,8 +39,8 @@ pub(super) struct WindowMeasurement {
     window: UncertainWindow,
     figure: WindowFigure,
     follow: WindowFollower,
-    /// The end of the case: what lasts until then has no known width.
-    end: i64,
+    /// The end of the case, at the earliest and at the latest: what lasts until then has no known width.
+    end: (i64, i64),
     slack: f64,
 }
 
@@ -102,7 +102,7 @@ impl WindowMeasurement {
         window: UncertainWindow,
         figure: WindowFigure,
         info: &SignalInfo,
-        end: i64,
+        end: (i64, i64),
     ) -> WindowMeasurement {
         let slack = slack(info);
         let follow = match figure {
@@ -130,7 +130,7 @@ impl WindowMeasurement {
 
     #[inline]
     pub(super) fn feed(&mut self, seen: &TimedValue) {
-        let window = &self.window;
+        let (window, end) = (&self.window, self.end);
         match &mut self.follow {
             WindowFollower::Cycles(cycles) => cycles.see(seen),
             WindowFollower::First(levels, first) => {
@@ -140,7 +140,7 @@ impl WindowMeasurement {
             }
             WindowFollower::Pulses(levels, many) => {
                 if let Some(pulse) = levels.see(seen) {
-                    one_of_many(many, &pulse, window);
+                    one_of_many(many, &pulse, window, end);
                 }
             }
             WindowFollower::Edges { finder, before, many } => match finder.see(seen) {
@@ -167,7 +167,7 @@ impl WindowMeasurement {
     }
 
     pub(super) fn finish(self, mut record: MeasurementRecord, bounds: &LimitNumbers) -> MeasurementRecord {
-        let WindowMeasurement { window, figure, follow, end, slack } = self;
+        let WindowMeasurement { window, figure, follow, end: (end, _), slack } = self;
         record.from_ns = Some([window.from.a, window.from.b]);
         record.to_ns = Some([window.until.a, window.until.b]);
         const NOT_KNOWN: &str = "the signal is not known for a part of the window";
@@ -257,16 +257,20 @@ impl WindowMeasurement {
     }
 }
 
-fn one_of_many(many: &mut SpanStatistics, pulse: &Pulse, window: &UncertainWindow) {
-    if !window.can_hold(&pulse.start) {
+/// One of several pulses. It counts if it is over by the end of the case: one that may end after it may not count.
+fn one_of_many(many: &mut SpanStatistics, pulse: &Pulse, window: &UncertainWindow, end: (i64, i64)) {
+    if !window.can_hold(&pulse.start) || pulse.end.0 > end.1 {
         return;
     }
     if !pulse.certain {
         many.doubtful = true;
         return;
     }
-    let (start, end) = (&pulse.start, pulse.end);
-    many.see((end.0.saturating_sub(start.b).max(0), end.1.saturating_sub(start.a)), window.must_hold(start));
+    let (start, over) = (&pulse.start, pulse.end);
+    let certain = window.must_hold(start) && over.1 <= end.0;
+    // Where it counts it is over by the end.
+    let latest = over.1.min(end.1);
+    many.see((over.0.saturating_sub(start.b).max(0), latest.saturating_sub(start.a)), certain);
 }
 
 fn many_judged(
