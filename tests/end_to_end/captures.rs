@@ -133,9 +133,51 @@ fn a_step_that_waits_comes_when_the_capture_has_it() {
     let plan: Vec<&str> = plan.lines().filter(|line| !shut(line)).collect();
     bench.write("lamp.toml", &plan.join("\n"));
     bench.expect(0, &mapped("lamp.sr", &["--start", "1.5 s"]));
-    // It waits until 1.9 s only.
-    let ran = bench.expect(1, &mapped("lamp.sr", &["--start", "-0.1 s"]));
+    // It waits until 2.1 s only.
+    let ran = bench.expect(1, &mapped("lamp.sr", &["--start", "0.1 s"]));
     assert!(ran.out.contains("press"), "{}", ran.out);
+    // What the button was before the capture began nobody knows: it may have been pressed then.
+    let ran = bench.expect(3, &mapped("lamp.sr", &["--start", "-0.1 s"]));
+    assert!(ran.out.contains("whether step press came in time is not known"), "{}", ran.out);
+}
+
+/// A plan without a program, for captures of two lines.
+fn two_lines(steps: &str, claims: &str) -> TestProject {
+    let bench = TestProject::new();
+    let plan = format!(
+        "format = 1\nprogram-text = \"PROGRAM MAIN END_PROGRAM\"\nsignals = {{ a = \"%IX0.0\", b = \"%IX0.1\" }}\n\
+         ends = \"start + 40 ms\"\nsteps = [{steps}]\nexpect = [{claims}]\n"
+    );
+    bench.write("two.toml", &plan);
+    bench
+}
+
+#[test]
+fn a_step_that_may_have_come_in_time_or_not_is_open_with_all_that_comes_after_it() {
+    let steps = "{ id = \"w\", when = { signal = \"a\", edge = \"rises\", from = \"start\", within = \"LIMIT\" } }, \
+        { id = \"then\", when = { signal = \"b\", edge = \"rises\", from = \"w\", within = \"20 ms\" } }, \
+        { id = \"apart\", when = { signal = \"b\", edge = \"rises\", from = \"start\", within = \"20 ms\" } }";
+    for (limit, start, code, words) in [
+        // The line rises between 8 ms and 10 ms.
+        ("7 ms", "0 ms", 1, "step w never came"),
+        ("8 ms", "0 ms", 3, "whether step w came in time is not known"),
+        ("9 ms", "0 ms", 3, "whether step w came in time is not known"),
+        ("10 ms", "0 ms", 0, ""),
+        // It may have risen before the wait began.
+        ("10 ms", "9 ms", 3, "whether step w came in time is not known"),
+        ("10 ms", "8 ms", 0, ""),
+    ] {
+        let claim = "{ value = { of = \"b\", is = false, when = \"start\" } }";
+        let bench = two_lines(&steps.replace("LIMIT", limit), claim);
+        bench.write(
+            "two.csv",
+            "time [ms],a,b\n0,0,0\n2,0,0\n4,0,0\n6,0,0\n8,0,0\n10,1,0\n12,1,0\n14,1,1\n60,1,1\n",
+        );
+        let ran = bench.expect(code, &["judge", "two.toml", "two.csv", "--start", start, "--period", "2 ms"]);
+        assert!(ran.out.contains(words), "{limit} {start}: {}", ran.out);
+        assert!(code != 3 || ran.out.contains("step then") && !ran.out.contains("step apart"), "{}", ran.out);
+        assert!(code != 1 || ran.out.contains("step then never came"), "{}", ran.out);
+    }
 }
 
 #[test]

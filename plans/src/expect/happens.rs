@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
-use signal::{SignalInfo, Span};
+use signal::{SignalInfo, Span, Value};
 
 use super::common::{FROM, SingleSpan, SpanLimits, anchor, delay_words, span_range, spans, width};
 use super::first_edge::WITHIN;
@@ -108,7 +108,7 @@ impl TraceClaim for HappensClaim {
             None => UncertainInstant { a: i64::MIN, b: i64::MIN, place: 0, base: u32::MAX, offset: 0 },
         };
         let limits = self.within.unwrap_or((0, i64::MAX));
-        Ok(Box::new(HappensMonitor { claim: self.clone(), from, limits, came: None }))
+        Ok(Box::new(HappensMonitor { claim: self.clone(), from, limits, came: None, open: false }))
     }
 }
 
@@ -118,16 +118,28 @@ struct HappensMonitor {
     from: UncertainInstant,
     limits: SpanLimits,
     came: Option<TimedValue>,
+    /// Nobody knows whether it came: its mark has a value that is not known.
+    open: bool,
 }
 
 impl Monitor for HappensMonitor {
     fn feed(&mut self, _slot: usize, seen: &TimedValue) {
-        self.came.get_or_insert(*seen);
+        match seen.value {
+            Value::Unknown => self.open = true,
+            _ => {
+                self.came.get_or_insert(*seen);
+            }
+        }
     }
 
     fn finish(self: Box<Self>) -> Finding {
         let id = self.claim.id();
         let Some(came) = self.came else {
+            if self.open {
+                let reason = format!("whether step {id} came in time is not known");
+                let observed = String::from("it may have come");
+                return Finding { can_hold: true, can_break: true, observed, reason, ..Finding::default() };
+            }
             let reason = format!("step {id} never came");
             return Finding { observed: String::from("it never came"), reason, ..Finding::default() };
         };

@@ -139,7 +139,7 @@ impl Anchors {
             }
         }
         for train in &mut self.trains {
-            train.started |= train.mark == event.signal.0;
+            train.started |= train.mark == event.signal.0 && event.value != Value::Unknown;
             if train.line != event.signal.0 {
                 continue;
             }

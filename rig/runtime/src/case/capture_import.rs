@@ -2,7 +2,8 @@
 //!
 //! The case is laid out on its bench as for a run, which says what its signals are. The channels of the capture become
 //! its signals. Its steps come when they are due, counted from the start that the user names, and where a step waits
-//! for something, when the capture has it. After the end of the capture nothing is known.
+//! for something, when the capture has it. Where it may have come or not, its mark is not known
+//! (`docs/decisions/0068-steps-that-may-have-come.md`). After the end of the capture nothing is known.
 
 use crate::case::look_up;
 use crate::prepare::PreparedCase;
@@ -10,7 +11,7 @@ use crate::schedule::case_ending::CaseEnding;
 use crate::schedule::{Act, Due, EndReason, Schedule, Timing};
 use crate::suite::case_files::CaseFiles;
 use crate::suite::describe;
-use capture::{Capture, CapturedChannel, ChannelType, Knowledge};
+use capture::{Capture, CapturedChange, CapturedChannel, ChannelType, Knowledge};
 use document::Diagnostic;
 use plans::Case;
 use plans::lang::{Anchor, AnchorBase};
@@ -155,6 +156,7 @@ pub fn trace(
         trace.define(if wired { seen_by(info.clone(), capture.knowledge) } else { info.clone() })?;
     }
     annotate(&mut trace, case, files, capture);
+    let count = trace.signals().len();
     let mut widths = vec![0; steps.len()];
     if let Some(instants) = instants {
         for (step, own) in steps.iter_mut().zip(&mut widths) {
@@ -165,7 +167,14 @@ pub fn trace(
             }
         }
     }
+    let width_of = |change: &CapturedChange| width(change.at);
     let mut replay = Replay {
+        changes: &capture.changes,
+        next: 0,
+        widest: capture.changes.iter().map(width_of).max().unwrap_or(0),
+        wires,
+        waits: vec![None; steps.len()],
+        before: vec![None; count],
         start_mark: trace.find("step:start"),
         main_mark: trace.find("step:main"),
         end_mark: trace.find("step:end"),
@@ -175,7 +184,7 @@ pub fn trace(
         widths,
         emitted: Vec::new(),
     };
-    replay.run(capture, wires, instants.map(|instants| instants.start))?;
+    replay.run(capture.span, instants.map(|instants| instants.start))?;
     CaseEnding { early: replay.schedule.early_end(), ..CaseEnding::default() }.write_to(&mut replay.trace);
     Ok(replay.trace)
 }
@@ -211,12 +220,32 @@ fn annotate(trace: &mut Trace, case: &Case, files: &CaseFiles, capture: &Capture
     }
 }
 
+/// Whether a change may be what the step waits for. Where nothing is known anything may come.
+fn may_meet(schedule: &Schedule, step: usize, before: Option<Value>, value: Value) -> bool {
+    let Timing::When { event, .. } = schedule.steps()[step].timing else { return false };
+    !is_known(Some(value)) || event.met(before, value)
+}
+
+fn is_known(value: Option<Value>) -> bool {
+    value.is_some_and(|value| value != Value::Unknown)
+}
+
 fn width(at: When) -> i64 {
     (at.latest - at.earliest).as_nanos()
 }
 
 /// The case once more, with the capture in place of the controller.
-struct Replay {
+struct Replay<'a> {
+    /// All changes of the capture, and the first that is still to come.
+    changes: &'a [CapturedChange],
+    next: usize,
+    /// The widest interval of a change, nanoseconds.
+    widest: i64,
+    wires: &'a [ChannelMapping],
+    /// How each step waits, once it does.
+    waits: Vec<Option<StepWait>>,
+    /// What each signal was before its last change.
+    before: Vec<Option<Value>>,
     schedule: Schedule,
     trace: Trace,
     start_mark: Option<SignalId>,
@@ -230,15 +259,29 @@ struct Replay {
     emitted: Vec<(drivers::ChannelId, Value)>,
 }
 
-impl Replay {
-    fn run(
-        &mut self,
-        capture: &Capture,
-        wires: &[ChannelMapping],
-        start: Option<When>,
-    ) -> Result<(), TraceError> {
+/// How a step waits for what it comes with.
+#[derive(Clone, Copy, Debug)]
+struct StepWait {
+    /// When it began to, at the latest.
+    since: Time,
+    /// How much earlier that may have been, nanoseconds.
+    width: i64,
+    /// For how long it waits.
+    within: Span,
+}
+
+impl StepWait {
+    /// Whether something in this interval came after the wait began, and in time, wherever both lie.
+    fn holds(&self, at: When) -> bool {
+        at.earliest >= self.since
+            && at.latest <= self.since.saturating_add(self.within - Span::from_nanos(self.width))
+    }
+}
+
+impl Replay<'_> {
+    fn run(&mut self, [_, last]: [Time; 2], start: Option<When>) -> Result<(), TraceError> {
         let mut waiting = start;
-        for change in &capture.changes {
+        while let Some(change) = self.changes.get(self.next) {
             if let Some(start) = waiting.filter(|start| start.latest <= change.at.latest) {
                 self.start(start)?;
                 waiting = None;
@@ -247,7 +290,8 @@ impl Replay {
             if self.schedule.end().is_some_and(|end| end < change.at.latest) {
                 break;
             }
-            for wire in wires.iter().filter(|wire| wire.channel == change.channel as usize) {
+            self.next += 1;
+            for wire in self.wires.iter().filter(|wire| wire.channel == change.channel as usize) {
                 self.change(wire, change.at, change.value)?;
             }
         }
@@ -255,11 +299,10 @@ impl Replay {
         if waiting.is_some() {
             self.start(all)?;
         }
-        let last = capture.span[1];
         self.settle(last, false)?;
         let end = self.schedule.end().unwrap_or(last);
         if end > last {
-            for wire in wires {
+            for wire in self.wires {
                 let signal = SignalId(wire.signal as u32);
                 self.put(signal, When::exactly(last), Value::Unknown)?;
             }
@@ -279,10 +322,79 @@ impl Replay {
         let Some(info) = self.trace.signals().get(wire.signal) else { return Ok(()) };
         let value = fit(value, info.kind, wire.threshold);
         let before = self.trace.last(signal).map(|event| event.value);
-        if self.put(signal, at, value)? && self.schedule.awaits(signal) {
+        if !self.put(signal, at, value)? {
+            return Ok(());
+        }
+        self.before[wire.signal] = before;
+        if self.schedule.awaits(signal) {
+            for step in self.left_open_by(signal, at, before, value) {
+                self.leave_open(step, at.latest)?;
+            }
             self.width = self.width.max(width(at));
             self.schedule.changed(signal, before, value, at.latest);
             self.settle(at.latest, true)?;
+        }
+        Ok(())
+    }
+
+    /// The steps that may have come with this change, or not: it may lie outside of their wait, or what the signal was, or is,
+    /// is not known.
+    fn left_open_by(&self, signal: SignalId, at: When, before: Option<Value>, value: Value) -> Vec<usize> {
+        let open = |step: &usize| {
+            self.schedule.is_awaiting(*step, signal)
+                && may_meet(&self.schedule, *step, before, value)
+                && !(is_known(before)
+                    && is_known(Some(value))
+                    && self.waits[*step].is_some_and(|wait| wait.holds(at)))
+        };
+        (0..self.schedule.steps().len()).filter(open).collect()
+    }
+
+    /// Whether a step that did not come with what the capture has up to its limit may have come by it all the same: the
+    /// signal is not known, or a change that comes later in the capture may have happened before.
+    fn may_come_by(&self, step: usize, limit: Time) -> bool {
+        let Timing::When { signal, .. } = self.schedule.steps()[step].timing else { return false };
+        let mut before = self.trace.last(signal).map(|event| event.value);
+        if !is_known(before) {
+            return true;
+        }
+        let Some(info) = self.trace.signals().get(signal.0 as usize) else { return false };
+        for change in &self.changes[self.next..] {
+            // Changes stand in the order of their latest instants.
+            if change.at.latest.as_nanos().saturating_sub(self.widest) > limit.as_nanos() {
+                return false;
+            }
+            let own = |wire: &&ChannelMapping| {
+                wire.signal == signal.0 as usize && wire.channel == change.channel as usize
+            };
+            let Some(wire) = self.wires.iter().find(own) else { continue };
+            let value = fit(change.value, info.kind, wire.threshold);
+            if change.at.earliest <= limit && may_meet(&self.schedule, step, before, value) {
+                return true;
+            }
+            before = Some(value);
+        }
+        false
+    }
+
+    /// Whether what the step waits for from now on may come unseen, or has come already: its signal is not known, or its last
+    /// change may lie after the wait began.
+    fn may_have_come(&self, step: usize, wait: StepWait) -> bool {
+        let Timing::When { signal, .. } = self.schedule.steps()[step].timing else { return false };
+        let Some(last) = self.trace.last(signal).filter(|last| is_known(Some(last.value))) else {
+            return true;
+        };
+        last.at.latest > wait.since.saturating_add(Span::from_nanos(-wait.width))
+            && may_meet(&self.schedule, step, self.before[signal.0 as usize], last.value)
+    }
+
+    /// Nobody knows whether this step came, and with it those that come only after it.
+    fn leave_open(&mut self, step: usize, at: Time) -> Result<(), TraceError> {
+        self.schedule.miss(step, at);
+        for open in self.schedule.with_those_after(step) {
+            if self.schedule.begun(open).is_none() {
+                self.put(self.schedule.steps()[open].mark, When::exactly(at), Value::Unknown)?;
+            }
         }
         Ok(())
     }
@@ -307,7 +419,16 @@ impl Replay {
         let mut waits = Vec::new();
         while let Some((at, step, due)) = self.schedule.take(until) {
             match due {
-                Due::Arm => self.schedule.arm(step, at),
+                Due::Arm => {
+                    self.schedule.arm(step, at);
+                    if let Timing::When { within, .. } = self.schedule.steps()[step].timing {
+                        let wait = StepWait { since: at, width: self.width, within };
+                        self.waits[step] = Some(wait);
+                        if self.may_have_come(step, wait) {
+                            self.leave_open(step, at)?;
+                        }
+                    }
+                }
                 Due::Begin if !self.schedule.begins(step, at) => {}
                 Due::Begin => {
                     self.width = self.width.max(self.widths[step]);
@@ -327,7 +448,9 @@ impl Replay {
                 Due::Missed if more && at == until => waits.push((at, step)),
                 Due::Missed => {
                     let missed = self.schedule.miss(step, at);
-                    if missed && self.schedule.steps()[step].phase == CasePart::Setup {
+                    if missed && self.may_come_by(step, at) {
+                        self.leave_open(step, at)?;
+                    } else if missed && self.schedule.steps()[step].phase == CasePart::Setup {
                         self.schedule.end_early(EndReason::Missed(step), at);
                     }
                 }

@@ -21,7 +21,7 @@ pub enum AwaitedChange {
 
 impl AwaitedChange {
     /// Whether a change of the signal is what is waited for.
-    pub(super) fn met(self, before: Option<Value>, value: Value) -> bool {
+    pub fn met(self, before: Option<Value>, value: Value) -> bool {
         let real = |value: Option<Value>| value.and_then(Value::as_real);
         match self {
             AwaitedChange::Becomes(wanted) => value == wanted,

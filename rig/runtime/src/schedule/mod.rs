@@ -364,6 +364,40 @@ impl Schedule {
         })
     }
 
+    /// Whether this step waits for changes of this signal, and has not come yet.
+    pub fn is_awaiting(&self, step: usize, signal: SignalId) -> bool {
+        self.armed[step]
+            && self.progress.first[step].is_none()
+            && matches!(self.steps[step].timing, Timing::When { signal: awaited, .. } if awaited == signal)
+    }
+
+    /// A step with those that come only after it, by way of others too; after one of the setup all of main.
+    pub fn with_those_after(&self, step: usize) -> Vec<usize> {
+        let mut found = vec![false; self.steps.len()];
+        found[step] = true;
+        loop {
+            let depends = |place: usize| match self.roots[place] {
+                StepAnchor::Begin(on) | StepAnchor::Time(on, _) | StepAnchor::Pulse(on, _) => found[on],
+                StepAnchor::Done(on) => {
+                    found[on]
+                        || (0..found.len()).any(|part| found[part] && self.steps[part].parent == Some(on))
+                }
+                StepAnchor::Main => {
+                    (0..found.len()).any(|one| found[one] && self.steps[one].phase == CasePart::Setup)
+                }
+                StepAnchor::Start | StepAnchor::Teardown | StepAnchor::Never => false,
+            };
+            let more: Vec<usize> =
+                (0..found.len()).filter(|place| !found[*place] && depends(*place)).collect();
+            if more.is_empty() {
+                return (0..found.len()).filter(|place| found[*place]).collect();
+            }
+            for place in more {
+                found[place] = true;
+            }
+        }
+    }
+
     /// A recorded change: steps that waited for it begin now.
     pub fn changed(&mut self, signal: SignalId, before: Option<Value>, value: Value, now: Time) {
         for step in 0..self.steps.len() {
