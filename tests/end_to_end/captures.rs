@@ -153,6 +153,21 @@ fn two_lines(steps: &str, claims: &str) -> TestProject {
 }
 
 #[test]
+fn what_a_line_is_at_the_first_instant_is_no_edge_of_a_case_that_starts_there() {
+    let claims = "{ changes = { signal = \"b\", within = \"6 ms .. 8 ms\", pulses-longer-than = \"2 us\" } }, \
+        { edges = { signal = \"a\", rising = 0, falling = 1, pulses-longer-than = \"2 us\" } }, \
+        { value = { of = \"a\", is = true, when = \"start\" } }, { rises = { signal = \"b\", from = \"w\", within = \"2 ms\" } }";
+    let bench =
+        two_lines("{ id = \"w\", when = { signal = \"a\", edge = \"falls\", within = \"9 ms\" } }", claims);
+    let stamps = "$timescale 1 us $end\n$var wire 1 ! a $end\n$var wire 1 % b $end\n$enddefinitions $end\n\
+        #0\n1!\n0%\n#6000\n0!\n#7000\n1%\n#50000\n1!\n";
+    bench.write("two.vcd", stamps);
+    bench.expect(0, &["judge", "two.toml", "two.vcd", "--start", "0 ms"]);
+    bench.write("two.csv", "time [ms],a,b\n0,1,0\n6,0,0\n7,0,1\n50,1,1\n");
+    bench.expect(0, &["judge", "two.toml", "two.csv", "--start", "0 ms", "--period", "1 us"]);
+}
+
+#[test]
 fn a_step_that_may_have_come_in_time_or_not_is_open_with_all_that_comes_after_it() {
     let steps = "{ id = \"w\", when = { signal = \"a\", edge = \"rises\", from = \"start\", within = \"LIMIT\" } }, \
         { id = \"then\", when = { signal = \"b\", edge = \"rises\", from = \"w\", within = \"20 ms\" } }, \

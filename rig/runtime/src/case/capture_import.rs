@@ -279,10 +279,15 @@ impl StepWait {
 }
 
 impl Replay<'_> {
-    fn run(&mut self, [_, last]: [Time; 2], start: Option<When>) -> Result<(), TraceError> {
+    fn run(&mut self, [first, last]: [Time; 2], start: Option<When>) -> Result<(), TraceError> {
         let mut waiting = start;
         while let Some(change) = self.changes.get(self.next) {
-            if let Some(start) = waiting.filter(|start| start.latest <= change.at.latest) {
+            // What a channel is at the first instant it was before, too: that is no edge of a case that starts there.
+            let initial = change.at.latest <= first;
+            let due = |start: &When| {
+                start.latest < change.at.latest.saturating_add(Span::from_nanos(i64::from(!initial)))
+            };
+            if let Some(start) = waiting.filter(due) {
                 self.start(start)?;
                 waiting = None;
             }
