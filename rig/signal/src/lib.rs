@@ -6,6 +6,7 @@
 pub mod address;
 pub mod calendar;
 mod can;
+mod coverage;
 mod event;
 mod image;
 mod quantity;
@@ -17,6 +18,7 @@ mod value;
 
 pub use address::{Address, AddressError, AddressLimits, Area, Size};
 pub use can::{BusError, BusState, CanFrame, MAX_CAN_DATA};
+pub use coverage::Coverage;
 pub use event::{
     Cause, ClockDomain, Event, Policy, Sampling, SignalGap, SignalId, SignalInfo, ValueKind, When,
 };
