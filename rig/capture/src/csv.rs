@@ -149,7 +149,7 @@ impl CsvTable {
         }
         let knowledge = Knowledge::Sampled(period.unwrap_or(Span::from_nanos(steps.widest)));
         let span = [Time::from_nanos(first), Time::from_nanos(last.1)];
-        Ok(Capture { channels, changes, knowledge, span, notes: Vec::new() })
+        Ok(Capture { channels, changes, knowledge, span, end: When::exactly(span[1]), notes: Vec::new() })
     }
 
     fn instant(&self, at: u64, cell: &str) -> Result<(i64, i64), CaptureError> {

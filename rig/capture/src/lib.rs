@@ -10,12 +10,14 @@
 mod builder;
 pub mod csv;
 pub mod error;
+mod instrument;
 pub mod sigrok;
 mod time;
 pub mod vcd;
 pub mod zip;
 
 pub use error::{CaptureError, CapturePlace};
+pub use instrument::{ChannelErrors, InstrumentErrors, MAX_RATE_ERROR, TimebaseErrors};
 
 use signal::{Span, Value, When};
 
@@ -86,6 +88,8 @@ pub struct Capture {
     pub knowledge: Knowledge,
     /// The first and the last instant that the capture has.
     pub span: [signal::Time; 2],
+    /// When it ends: after this nothing is known.
+    pub end: When,
     /// What a file of the rig's own says of the trace.
     pub notes: Vec<(String, String)>,
 }

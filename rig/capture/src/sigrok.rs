@@ -58,6 +58,7 @@ pub fn read(bytes: &[u8], period: Option<Span>) -> Result<Capture, CaptureError>
         changes,
         knowledge: Knowledge::Sampled(device.period()),
         span: [Time::ZERO, Time::from_nanos(end)],
+        end: When::exactly(Time::from_nanos(end)),
         notes: Vec::new(),
     })
 }

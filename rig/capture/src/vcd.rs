@@ -194,7 +194,14 @@ impl VcdReader {
                 change.at.earliest = Time::from_nanos(earliest.max(first.as_nanos()));
             }
         }
-        Ok(Capture { channels, changes, knowledge, span: [first, self.now.1], notes: self.notes })
+        Ok(Capture {
+            channels,
+            changes,
+            knowledge,
+            span: [first, self.now.1],
+            end: When::exactly(self.now.1),
+            notes: self.notes,
+        })
     }
 }
 
