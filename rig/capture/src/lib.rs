@@ -11,6 +11,7 @@ mod builder;
 pub mod csv;
 pub mod error;
 mod instrument;
+mod levels;
 pub mod sigrok;
 mod time;
 pub mod vcd;
@@ -18,6 +19,7 @@ pub mod zip;
 
 pub use error::{CaptureError, CapturePlace};
 pub use instrument::{ChannelErrors, InstrumentErrors, MAX_RATE_ERROR, TimebaseErrors};
+pub use levels::{LevelRule, ReadingError};
 
 use signal::{Span, Value, When};
 
