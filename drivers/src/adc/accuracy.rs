@@ -1,5 +1,7 @@
 //! How far what a channel shows may lie from what it measures.
 
+use signal::Coverage;
+
 /// What a board file says of the errors of an input and of all that lies in front of it, in the channel's unit after its
 /// calibration. They add up.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -10,6 +12,8 @@ pub struct Accuracy {
     pub of_range: f64,
     /// The same everywhere, in the channel's unit.
     pub plus: f64,
+    /// What these figures cover.
+    pub coverage: Coverage,
 }
 
 /// What a converter knows of an input by itself, in the unit of its readings.

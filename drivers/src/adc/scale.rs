@@ -203,7 +203,7 @@ mod tests {
         let noise = Noise { deviation: 0.1, samples: 16 };
         near(uncertainty(&scale, Some(noise)), 0.02 + 4.0 * 2.131 * 0.1 / 4.0);
         assert!((scale.noise(3.0, noise) - 0.4).abs() < 1e-12);
-        let accuracy = Accuracy { of_value: 0.01, of_range: 0.001, plus: 0.3 };
+        let accuracy = Accuracy { of_value: 0.01, of_range: 0.001, plus: 0.3, ..Accuracy::default() };
         let stated = Scale { accuracy, ..scale };
         near(uncertainty(&stated, None), 0.02 + 0.08 + 0.04 + 0.3);
     }

@@ -1,5 +1,6 @@
 //! The board file: which controller is tested, on which board, bound how.
 
+pub mod accuracy;
 mod bench;
 mod buses;
 mod check;

@@ -8,21 +8,26 @@ use super::codes;
 /// The number of a value in the unit `unit`; where the value has a unit, it must be one of the same kind.
 /// Reports what is wrong.
 pub(super) fn quantity(node: &Node, unit: &str, out: &mut Findings) -> Option<f64> {
-    exact(node, unit, out).map(Decimal::as_f64)
+    quantity_under(node, unit, codes::UNIT, out)
 }
 
-fn exact(node: &Node, unit: &str, out: &mut Findings) -> Option<Decimal> {
+/// The same of another file than a board file, whose code for a unit of another kind is `code`.
+pub(super) fn quantity_under(node: &Node, unit: &str, code: &'static str, out: &mut Findings) -> Option<f64> {
+    exact(node, unit, code, out).map(Decimal::as_f64)
+}
+
+fn exact(node: &Node, unit: &str, code: &'static str, out: &mut Findings) -> Option<Decimal> {
     let text = match &node.data {
         Data::Integer(number) => return Some(Decimal::from(i128::from(*number))),
         Data::Float(text) | Data::Text(text) => text,
         _ => {
-            out.bad(codes::WRONG_TYPE, node, "a number or a quantity is expected here", "");
+            out.bad(out.codes().wrong_type, node, "a number or a quantity is expected here", "");
             return None;
         }
     };
     let Ok(read) = Quantity::parse(text) else {
         let help = "write a number, or a number with the unit of its channel, as in \"20.5 degC\"";
-        out.bad(codes::UNREADABLE, node, "this does not read as a finite number", help);
+        out.bad(out.codes().unreadable, node, "this does not read as a finite number", help);
         return None;
     };
     if read.unit.is_none() {
@@ -35,14 +40,14 @@ fn exact(node: &Node, unit: &str, out: &mut Findings) -> Option<Decimal> {
             unit => format!("its channel is in {unit}: write \"{} {unit}\"", read.number),
         };
         let place = Decimal::split(text).map(|(_, behind)| text.len() - behind.len()..text.trim_end().len());
-        out.bad_inside(codes::UNIT, node, place.ok(), format!("the unit is {}", read.unit), help);
+        out.bad_inside(code, node, place.ok(), format!("the unit is {}", read.unit), help);
     }
     number
 }
 
 /// A chance in millionths. Reports one that is none.
 pub(super) fn chance(node: &Node, out: &mut Findings) -> Option<u32> {
-    let chance = exact(node, "", out)?;
+    let chance = exact(node, "", codes::UNIT, out)?;
     let millionths = chance.shifted(6).as_whole().and_then(|number| u32::try_from(number).ok());
     let right = millionths.filter(|number| *number <= 1_000_000);
     if right.is_none() {

@@ -6,9 +6,11 @@ use document::{Data, Entry, Fields, Findings, Node, suggest};
 use signal::calendar::Date;
 use signal::{Quantity, QuantityRange, Span, Unit};
 
+use crate::file::accuracy::{OF_BOARD, accuracy};
+
 use super::{Bench, DeviceReader, channels, codes, generators, iio, keys, lines, number, spi};
 use crate::ChannelId;
-use crate::adc::{Accuracy, AdcKind, AdcSpec, AdcsSpec, Certificate, FindInput, Point, SampleSpec, Scale};
+use crate::adc::{AdcKind, AdcSpec, AdcsSpec, Certificate, FindInput, Point, SampleSpec, Scale};
 
 /// Converters.
 pub(super) const READER: DeviceReader = DeviceReader {
@@ -155,7 +157,7 @@ fn sample(
         let read = calibration(node, &inner, unit, out)?;
         (scale.calibration, certificate) = (read.0, Some(read.1));
     }
-    scale.accuracy = accuracy(fields, unit, out)?;
+    scale.accuracy = accuracy(fields, unit, OF_BOARD, out)?;
     Some(SampleSpec {
         channel,
         converter,
@@ -314,24 +316,6 @@ fn two(node: &Node, unit: &str, code: &'static str, out: &mut Findings) -> Optio
         return None;
     };
     Some((number::quantity(first, unit, out)?, number::quantity(second, unit, out)?))
-}
-
-/// What the file says of the errors of an input.
-fn accuracy(fields: &Fields, unit: &str, out: &mut Findings) -> Option<Accuracy> {
-    let Some(inner) = fields.inner("accuracy") else { return Some(Accuracy::default()) };
-    let mut part = |key: &str, unit: &str, each: f64| {
-        let Some(node) = inner.get(key) else { return Some(0.0) };
-        let part = number::quantity(node, unit, out)?;
-        if part < 0.0 {
-            out.bad(codes::SCALE, node, "an error is a width", "write a number of at least 0");
-        }
-        (part >= 0.0).then_some(part * each)
-    };
-    Some(Accuracy {
-        of_value: part("of-value", "%", 0.01)?,
-        of_range: part("of-range", "%", 0.01)?,
-        plus: part("plus", unit, 1.0)?,
-    })
 }
 
 /// Points and certificate of a calibration.

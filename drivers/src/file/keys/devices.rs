@@ -3,6 +3,7 @@
 use document::{KeySpec, KeyType};
 
 use crate::adc::iio::MAX_BUFFER;
+use crate::file::accuracy::{COVERAGE, OF_VALUE, PLUS};
 
 pub(in crate::file) const CONVERTER: &[KeySpec] = &[
     KeySpec::required(
@@ -106,9 +107,10 @@ pub(in crate::file) const SCALE: &[KeySpec] = &[
 ];
 
 pub(in crate::file) const ACCURACY: &[KeySpec] = &[
-    KeySpec::optional("of-value", KeyType::Quantity, "A part of the value, as in \"0.1 %\"; 0"),
+    OF_VALUE,
     KeySpec::optional("of-range", KeyType::Quantity, "A part of the input's range, as in \"0.05 %\"; 0"),
-    KeySpec::optional("plus", KeyType::Quantity, "In the unit of the channel, the same everywhere; 0"),
+    PLUS,
+    COVERAGE,
 ];
 
 pub(in crate::file) const CALIBRATION: &[KeySpec] = &[

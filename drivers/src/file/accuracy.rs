@@ -1,0 +1,74 @@
+//! How far the readings of a channel may be off, as board files and instrument files say it: one reader for both.
+
+use document::{Fields, Findings, KeySpec, KeyType, Node};
+use signal::Coverage;
+
+use super::{codes, number};
+use crate::adc::Accuracy;
+
+/// A part of the reading.
+pub const OF_VALUE: KeySpec =
+    KeySpec::optional("of-value", KeyType::Quantity, "A part of the value, as in \"0.1 %\"; 0");
+
+/// The same for every reading.
+pub const PLUS: KeySpec =
+    KeySpec::optional("plus", KeyType::Quantity, "In the unit of the channel, the same everywhere; 0");
+
+/// What the figures beside it cover.
+pub const COVERAGE: KeySpec = KeySpec::optional(
+    "coverage",
+    KeyType::Text,
+    "What the figures cover: \"limits\" (never passed), a probability as in \"95 %\", or a factor as in \"k = 2\"; \"limits\"",
+);
+
+/// The codes under which a file reports what is wrong with such a figure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AccuracyCodes {
+    /// A unit of another kind.
+    pub unit: &'static str,
+    /// A figure that cannot be.
+    pub figure: &'static str,
+}
+
+pub(super) const OF_BOARD: AccuracyCodes = AccuracyCodes { unit: codes::UNIT, figure: codes::SCALE };
+
+/// The table `accuracy` of a channel in this unit, all 0 where there is none. `None` where something is wrong with it, which
+/// is reported.
+pub fn accuracy(fields: &Fields, unit: &str, codes: AccuracyCodes, out: &mut Findings) -> Option<Accuracy> {
+    let Some(inner) = fields.inner("accuracy") else { return Some(Accuracy::default()) };
+    let mut part = |key: &str, unit: &str, each: f64| match inner.get(key) {
+        None => Some(0.0),
+        Some(node) => width(node, unit, codes, out).map(|part| part * each),
+    };
+    Some(Accuracy {
+        of_value: part("of-value", "%", 0.01)?,
+        of_range: part("of-range", "%", 0.01)?,
+        plus: part("plus", unit, 1.0)?,
+        coverage: coverage(&inner, codes, out)?,
+    })
+}
+
+/// A number in this unit that is a width: at least 0. `None` where it is not, which is reported.
+pub fn width(node: &Node, unit: &str, codes: AccuracyCodes, out: &mut Findings) -> Option<f64> {
+    let part = quantity(node, unit, codes, out)?;
+    if part < 0.0 {
+        out.bad(codes.figure, node, "an error is a width", "write a number of at least 0");
+    }
+    (part >= 0.0).then_some(part)
+}
+
+/// A number in this unit. `None` where it is none, which is reported.
+pub fn quantity(node: &Node, unit: &str, codes: AccuracyCodes, out: &mut Findings) -> Option<f64> {
+    number::quantity_under(node, unit, codes.unit, out)
+}
+
+/// The key `coverage` of a table. `None` where it is wrong, which is reported.
+pub fn coverage(fields: &Fields, codes: AccuracyCodes, out: &mut Findings) -> Option<Coverage> {
+    let Some(node) = fields.get("coverage") else { return Some(Coverage::default()) };
+    let read = node.as_text().and_then(Coverage::parse);
+    if read.is_none() {
+        let help = "write \"limits\" for a bound that is never passed, a probability such as \"95 %\", or a factor such as \"k = 2\"";
+        out.bad(codes.figure, node, "this is no coverage", help);
+    }
+    read
+}
