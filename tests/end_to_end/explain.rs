@@ -73,6 +73,7 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("R0203", "a trace of another plan"),
     ("R0205", "a file beside the plan"),
     ("R0206", "a folder that several users write to"),
+    ("R021", "a capture with an instrument file"),
     ("R0220", "a temporary folder without room"),
     ("R0221", "a second board"),
     ("R0223", "a board file beside the plan"),

@@ -1,6 +1,6 @@
 //! The record of one case: one plan with one row or one point of a sweep.
 
-use crate::{ClaimRecord, Lane, MeasurementRecord, RigTiming, Verdict};
+use crate::{ClaimRecord, InstrumentRecord, Lane, MeasurementRecord, RigTiming, Verdict};
 use serde::{Deserialize, Serialize};
 
 /// The most lines that a case's log keeps; further ones are counted only.
@@ -150,6 +150,9 @@ pub struct CaseRecord {
     /// The board as the user named it; empty for the default board.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub board: String,
+    /// The instrument that recorded it, where that is another than the rig and has a file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub instrument: Option<InstrumentRecord>,
     /// What it was made from.
     pub hashes: Hashes,
     /// Seed of everything random in it.

@@ -125,6 +125,11 @@ pub struct MeasurementRecord {
     /// The value lies within `[low, high]`, in `unit`; nothing when it was never taken.
     #[serde(with = "crate::number::interval")]
     pub value: Option<[f64; 2]>,
+    /// What the interval of the value covers: `limits` where it holds the value of every placement, so that it is never
+    /// passed; else the statements of uncertainty that took part and are no bounds, as in `95 %` or `95 %, k = 2`. Empty in
+    /// records of a rig that did not say it.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub coverage: String,
     /// Unit of all numbers of this measurement; durations are in `ns`.
     pub unit: String,
     /// Least value allowed.

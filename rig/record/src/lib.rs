@@ -14,6 +14,7 @@ mod compact;
 mod compare;
 mod coverage;
 mod figure;
+mod instrument;
 mod json;
 mod lane;
 mod machine;
@@ -32,6 +33,7 @@ pub use compare::{
 };
 pub use coverage::{FileCoverage, MAX_COVERED_FILES, MAX_LINE_RANGES};
 pub use figure::Figure;
+pub use instrument::{InstrumentRecord, InstrumentStatement};
 pub use json::{MAX_CASES, MAX_JSON_BYTES, RecordError};
 pub use lane::{Lane, LaneKind, LanePoint, LaneValue, MAX_LANE_POINTS};
 pub use machine::{Durations, MACHINE_FORMAT, MAX_MACHINE_BYTES, MachineRecord};

@@ -85,6 +85,14 @@ pub const TRACE_OF_ANOTHER_PLAN: &str = "R0203";
 pub const SUITE_MISNAMED: &str = "R0205";
 /// A suite file of another user.
 pub const SUITE_OF_ANOTHER_USER: &str = "R0206";
+/// An instrument file that is no TOML.
+pub const INSTRUMENT_NOT_READ: &str = "R0210";
+/// A key of an instrument file that is unknown, missing or wrong.
+pub const INSTRUMENT_KEY: &str = "R0211";
+/// An error that no instrument has.
+pub const INSTRUMENT_ERROR: &str = "R0212";
+/// An instrument that does not suit the capture.
+pub const INSTRUMENT_MISFIT: &str = "R0213";
 /// A program that cannot be handed to the command that loads it.
 pub const NOT_EXPORTED: &str = "R0220";
 /// A real controller that is to be played.
@@ -236,6 +244,10 @@ pub const CODES: &[(&str, &str)] = &[
     ("R0204", "A trace that cannot be judged as it is given"),
     (SUITE_MISNAMED, "A suite file under another name"),
     (SUITE_OF_ANOTHER_USER, "A suite file of another user"),
+    (INSTRUMENT_NOT_READ, "An instrument file that is no TOML"),
+    (INSTRUMENT_KEY, "A key of an instrument file that is unknown, missing or wrong"),
+    (INSTRUMENT_ERROR, "An error that no instrument has"),
+    (INSTRUMENT_MISFIT, "An instrument that does not suit the capture"),
     (NOT_EXPORTED, "A program that cannot be handed to the command that loads it"),
     (REAL_CONTROLLER, "A real controller that is to be played"),
     ("R0222", "A time to run that is none"),

@@ -4,6 +4,7 @@ pub(crate) mod case_export;
 pub mod case_files;
 pub mod describe;
 pub mod file_source;
+pub mod instrument_file;
 pub(crate) mod ports;
 pub mod real_boards;
 pub mod suites;
