@@ -7,6 +7,7 @@ use record::{ClaimOrigin, Verdict, Window};
 use signal::{Event, SignalInfo, Span, TraceError, When};
 
 use super::claim_record::{claim_record, writer};
+use super::coverage::coverage;
 use super::early_end::EarlyEnd;
 use super::live::LiveReading;
 use super::order::Orderer;
@@ -531,7 +532,11 @@ impl FinalReading {
                     (taken.verdict, taken.reason) = (Verdict::Inconclusive, why);
                 }
             }
-            measurements.push(early.measurement(&measurement.anchors(), scene, taken));
+            let mut taken = early.measurement(&measurement.anchors(), scene, taken);
+            if taken.value.is_some() {
+                taken.coverage = coverage(&measurement.signals(), note);
+            }
+            measurements.push(taken);
         }
         JudgedCase::of(claims, measurements)
     }

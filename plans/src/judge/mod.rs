@@ -12,6 +12,7 @@ mod answer;
 mod case;
 mod claim_progress;
 mod claim_record;
+mod coverage;
 mod early_end;
 mod judged_case;
 mod live;
@@ -22,6 +23,7 @@ mod unknown;
 
 pub use case::{CaseJudge, JudgeError, Scenario, StepFacts};
 pub use claim_progress::ClaimProgress;
+pub use coverage::{INSTANTS_NOTE as INSTANTS_COVERAGE_NOTE, note_of as coverage_note};
 pub use early_end::LOST_NOTE;
 pub use judged_case::JudgedCase;
 pub use pulse_limits::note_of as counts_note;

@@ -51,6 +51,11 @@ impl TimebaseErrors {
     pub fn named(&self, at: Time) -> When {
         widened(When::exactly(at), self.offset_error.as_nanos())
     }
+
+    /// An instant as it may lie when the clock is off since `reference`, which itself may be anywhere in its interval.
+    pub fn drifted(&self, at: When, reference: When) -> When {
+        drifted(at, reference, self.rate)
+    }
 }
 
 impl Capture {
@@ -123,7 +128,7 @@ fn widened(at: When, by: i64) -> When {
 }
 
 /// The instant as it may lie when the clock is off by `rate` since `reference`, which itself may be anywhere in its interval.
-pub(crate) fn drifted(at: When, reference: When, rate: u64) -> When {
+fn drifted(at: When, reference: When, rate: u64) -> When {
     let farthest = |end: Time| {
         let of = |start: Time| drift(end.as_nanos(), start.as_nanos(), rate);
         Span::from_nanos(of(reference.earliest).max(of(reference.latest)))

@@ -4,13 +4,14 @@ use super::instant::{self, CaptureNames};
 use super::{JudgeArgs, mapping};
 use crate::output;
 use crate::plan_files::Parameters;
-use capture::{Capture, CaptureError, CaptureFormat, MAX_FILE};
+use capture::{Capture, CaptureError, CaptureFormat, Knowledge, MAX_FILE, TimebaseErrors};
 use document::file::{self, FileFault};
 use document::{Diagnostic, SourceFile};
 use plans::Case;
 use record::CaseRecord;
 use runtime::case::capture_import::{self, CaseLayout, ChannelMapping, Instants};
 use runtime::case::rejudge;
+use runtime::suite::instrument_file::{InstrumentFile, load_instrument};
 use runtime::suite::{self, Disk, Job, LoadedPlan};
 use signal::{Span, When};
 
@@ -20,28 +21,59 @@ pub fn judge(
     format: CaptureFormat,
     sources: &mut Vec<SourceFile>,
 ) -> Result<CaseRecord, Vec<Diagnostic>> {
-    let capture = read(args, format).map_err(|found| vec![found])?;
+    let mut capture = read(args, format).map_err(|found| vec![found])?;
+    let instrument = instrument(args, &capture, sources)?;
     let (loaded, seed) = load(args, &capture, sources)?;
     let (case, job) = choose(args, &capture, &loaded, seed).map_err(|found| vec![found])?;
     let files = loaded.files(&case, &job)?;
     let layout = capture_import::lay_out(&case, &files)?;
     let spelled = reports::vcd::names(layout.signals());
-    let wires = mapping::wires(&args.capture.map, &capture, layout.signals(), &spelled)?;
+    let known = instrument.as_ref();
+    let mut wires = mapping::wires(&args.capture.map, &capture, layout.signals(), &spelled, known)?;
     say_what_is_missing(&case, &layout, &wires);
+    capture_import::find_levels(&mut capture, &mut wires);
+    let timebase = known.map_or_else(TimebaseErrors::default, |instrument| instrument.timebase);
+    if let Some(instrument) = known {
+        capture.correct(&instrument.errors());
+    }
     let marked = wires.iter().any(|wire| layout.signals()[wire.signal].name == "step:start");
-    let instants = if marked && args.capture.start.is_none() && args.capture.at.is_empty() {
+    let unsaid = args.capture.start.is_none() && args.capture.at.is_empty();
+    let instants = if marked && unsaid && known.is_none() {
         None
     } else {
         // What the user says of instants goes before what the file says of them.
-        Some(instants(args, &capture, &layout, &wires)?)
+        let names = CaptureNames { capture: &capture, wires: &wires, signals: layout.signals(), timebase };
+        let (instants, reference) = instants(args, &layout, &names)?;
+        capture.widen_by_rate(reference, timebase.rate);
+        Some(instants)
     };
     let marks = |wire: &ChannelMapping| layout.signals()[wire.signal].name.starts_with("step:");
     let wires: Vec<ChannelMapping> =
         wires.iter().copied().filter(|wire| instants.is_none() || !marks(wire)).collect();
-    let trace = capture_import::trace(layout, &case, &files, &capture, &wires, instants.as_ref());
+    let trace = capture_import::trace(layout, &case, &files, &capture, &wires, instants.as_ref(), known);
     let trace = trace
         .map_err(|error| vec![Diagnostic::error("R0170", format!("the capture makes no trace: {error}"))])?;
     rejudge::judge_gathered(loaded.plan.text(), &trace)
+}
+
+/// The instrument file, where there is one.
+fn instrument(
+    args: &JudgeArgs,
+    capture: &Capture,
+    sources: &mut Vec<SourceFile>,
+) -> Result<Option<InstrumentFile>, Vec<Diagnostic>> {
+    let Some(path) = &args.capture.instrument else { return Ok(None) };
+    let instrument = load_instrument(&Disk, &path.to_string_lossy(), sources)?;
+    if capture.knowledge == Knowledge::Own {
+        let message =
+            format!("{} is a file of the rig's own, which says what is known", args.trace.display());
+        return Err(vec![Diagnostic::error("R0213", message).help("leave out --instrument")]);
+    }
+    let strange = mapping::strangers(&instrument, capture)?;
+    if !strange.is_empty() {
+        output::note(&format!("the capture has no channel {} of {}", strange.join(", "), instrument.name));
+    }
+    Ok(Some(instrument))
 }
 
 fn read(args: &JudgeArgs, format: CaptureFormat) -> Result<Capture, Diagnostic> {
@@ -157,28 +189,32 @@ fn say_what_is_missing(case: &Case, layout: &CaseLayout, wires: &[ChannelMapping
     }
 }
 
-/// Where the instants of the plan lie.
+/// Where the instants of the plan lie, and that from which the time is counted: the start, or the step that it is counted back
+/// from.
 fn instants(
     args: &JudgeArgs,
-    capture: &Capture,
     layout: &CaseLayout,
-    wires: &[ChannelMapping],
-) -> Result<Instants, Vec<Diagnostic>> {
-    let names = CaptureNames { capture, wires, signals: layout.signals() };
+    names: &CaptureNames<'_>,
+) -> Result<(Instants, When), Vec<Diagnostic>> {
     let mut found = Vec::new();
     let mut steps: Vec<(String, When)> = Vec::new();
     for text in &args.capture.at {
-        match step(text, layout, &names) {
+        match step(text, layout, names) {
             Ok(step) => steps.push(step),
             Err(wrong) => found.push(wrong),
         }
     }
     let start = match &args.capture.start {
-        Some(text) => instant::find("--start", text, &names).map(Some),
-        None => Ok(steps.iter().find_map(|(id, at)| Some(before(*at, layout.due(id)?)))),
+        Some(text) => instant::find("--start", text, names).map(|at| Some((at, at))),
+        None => Ok(steps.iter().find_map(|(id, at)| Some((before(*at, layout.due(id)?), *at)))),
     };
     match start {
-        Ok(Some(start)) if found.is_empty() => Ok(Instants { start, steps }),
+        Ok(Some((start, reference))) if found.is_empty() => {
+            for (_, at) in &mut steps {
+                *at = names.timebase.drifted(*at, reference);
+            }
+            Ok((Instants { start, steps }, reference))
+        }
         Ok(None) if found.is_empty() => {
             let message = String::from("nothing says where the plan's `start` lies in the capture");
             let help = "say it with --start \"0 s\" or --start \"button rises\", or say where a step lies with \

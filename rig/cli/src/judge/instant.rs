@@ -1,9 +1,9 @@
 //! Instants of a capture as the user names them: `1.5 s`, `button rises`, `lamp falls 2`.
 
-use capture::Capture;
+use capture::{Capture, TimebaseErrors};
 use document::Diagnostic;
 use runtime::case::capture_import::ChannelMapping;
-use signal::{SignalInfo, Span, Time, Value, When};
+use signal::{SignalInfo, Span, Time, When};
 
 /// Which change of a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +22,8 @@ pub struct CaptureNames<'a> {
     pub wires: &'a [ChannelMapping],
     /// The signals.
     pub signals: &'a [SignalInfo],
+    /// What the clock of the instrument may be off.
+    pub timebase: TimebaseErrors,
 }
 
 /// The instant that `text`, said with `option`, names.
@@ -37,13 +39,15 @@ pub fn find(option: &str, text: &str, names: &CaptureNames<'_>) -> Result<When, 
             let message = format!("{option}: {span} is after the end of the capture");
             return Err(Diagnostic::error("R0173", message).help(range(first, last)));
         }
-        return Ok(When::exactly(at));
+        return Ok(names.timebase.named(at));
     }
-    let (channel, threshold, edge, count) = parse(option, text, names)?;
+    let (channel, edge, count) = parse(option, text, names)?;
     let mut before = None;
+    // Since when the level is not known: the edge may have come then.
+    let mut unknown: Option<When> = None;
     let mut left = count;
     for change in names.capture.changes.iter().filter(|change| change.channel as usize == channel) {
-        let now = truth(change.value, threshold);
+        let now = change.value.as_bool();
         let met = match edge {
             EdgeKind::Rises => now == Some(true) && before == Some(false),
             EdgeKind::Falls => now == Some(false) && before == Some(true),
@@ -52,8 +56,10 @@ pub fn find(option: &str, text: &str, names: &CaptureNames<'_>) -> Result<When, 
         before = now.or(before);
         left -= u64::from(met);
         if left == 0 {
-            return Ok(change.at);
+            let since = unknown.map_or(change.at.earliest, |since| since.earliest);
+            return Ok(When::within(since, change.at.latest));
         }
+        unknown = if now.is_none() { unknown.or(Some(change.at)) } else { None };
     }
     let message = format!("{option}: `{text}` never comes");
     let [first, last] = names.capture.span;
@@ -64,19 +70,8 @@ fn range(first: Time, last: Time) -> String {
     format!("the capture covers {first} to {last}")
 }
 
-fn truth(value: Value, threshold: Option<f64>) -> Option<bool> {
-    match threshold {
-        Some(threshold) => value.as_real().map(|number| number > threshold),
-        None => value.as_bool(),
-    }
-}
-
-/// The channel, its threshold, the edge, and the how manieth it is.
-fn parse(
-    option: &str,
-    text: &str,
-    names: &CaptureNames<'_>,
-) -> Result<(usize, Option<f64>, EdgeKind, u64), Diagnostic> {
+/// The channel, the edge, and the how manieth it is.
+fn parse(option: &str, text: &str, names: &CaptureNames<'_>) -> Result<(usize, EdgeKind, u64), Diagnostic> {
     let wrong = || {
         let message = format!("{option}: `{text}` is no instant");
         let help =
@@ -109,13 +104,13 @@ fn parse(
             || names.capture.channels[wire.channel].name == name
     });
     let channel = match wire {
-        Some(wire) => Some((wire.channel, wire.threshold)),
-        None => names.capture.channels.iter().position(|channel| channel.name == name).map(|at| (at, None)),
+        Some(wire) => Some(wire.channel),
+        None => names.capture.channels.iter().position(|channel| channel.name == name),
     };
-    let Some((channel, threshold)) = channel else {
+    let Some(channel) = channel else {
         let known: Vec<&str> = names.capture.channels.iter().map(|channel| channel.name.as_str()).collect();
         let message = format!("{option}: the capture has no channel `{name}`");
         return Err(Diagnostic::error("R0171", message).help(super::mapping::known(&name, &known)));
     };
-    Ok((channel, threshold, edge, count))
+    Ok((channel, edge, count))
 }

@@ -1,9 +1,10 @@
 //! Which channel of a capture is which signal of the case.
 
-use capture::Capture;
+use capture::{Capture, CapturedChannel, ChannelType};
 use document::{Diagnostic, suggest};
 use runtime::case::capture_import::{ChannelMapping, misfit};
-use signal::SignalInfo;
+use runtime::suite::instrument_file::{InstrumentChannel, InstrumentFile};
+use signal::{SignalInfo, Unit, ValueKind};
 
 /// Channels that a message names at most.
 const NAMED: usize = 16;
@@ -26,6 +27,7 @@ pub fn wires(
     capture: &Capture,
     signals: &[SignalInfo],
     spelled: &[String],
+    instrument: Option<&InstrumentFile>,
 ) -> Result<Vec<ChannelMapping>, Vec<Diagnostic>> {
     let mut wires: Vec<ChannelMapping> = Vec::new();
     let mut found = Vec::new();
@@ -50,17 +52,84 @@ pub fn wires(
                 found.push(ambiguous(&capture.channels[channel].name, &info.name, capture));
                 continue;
             }
-            wires.push(ChannelMapping { channel, signal, threshold: None });
+            wires.push(ChannelMapping::new(channel, signal));
         }
     }
-    for wire in &wires {
+    for wire in &mut wires {
         let (channel, info) = (&capture.channels[wire.channel], &signals[wire.signal]);
+        if let Some(instrument) = instrument {
+            let described = instrument.channel(&channel.name);
+            // A threshold of the command line rules over that of the file.
+            found.extend(described.and_then(|of| misdescribed(channel, info, of, wire.threshold.is_some())));
+            *wire = wire.described(info, instrument, &channel.name);
+        }
         // A column of zeros and ones may be numbers as well.
         if let Some((message, help)) = misfit(channel, info, wire.threshold) {
             found.push(Diagnostic::error("R0174", message).help(help));
         }
     }
     if found.is_empty() { Ok(wires) } else { Err(found) }
+}
+
+/// What an instrument file says of a channel that the channel, or its signal, cannot have.
+fn misdescribed(
+    channel: &CapturedChannel,
+    info: &SignalInfo,
+    of: &InstrumentChannel,
+    threshold: bool,
+) -> Option<Diagnostic> {
+    let (name, signal) = (&channel.name, &info.name);
+    let misfit = |message: String, help: String| Some(Diagnostic::error("R0213", message).help(help));
+    let has_errors = of.error.of_value > 0.0 || of.error.plus > 0.0;
+    let line = info.kind == ValueKind::Bool;
+    if line && !threshold && of.threshold.is_some() && channel.shape == ChannelType::Bit {
+        return misfit(
+            format!("`{name}` has bits in the capture and a threshold in the instrument file"),
+            format!("remove the threshold, or say that it has volts: --map \"{name}={signal}@2.5\""),
+        );
+    }
+    if has_errors && !line && info.kind != ValueKind::Real {
+        return misfit(
+            format!("`{signal}` has whole numbers, and the instrument file gives `{name}` an accuracy"),
+            format!("remove `accuracy` of `{name}`, or map it to a real number"),
+        );
+    }
+    let given = match channel.unit.is_empty() {
+        true if info.kind == ValueKind::Real => &info.unit,
+        _ => &channel.unit,
+    };
+    let counts = has_errors || line && of.threshold.is_some();
+    if counts && !given.is_empty() && Unit::new(given) != Unit::new(&of.unit) {
+        let own = if of.unit.is_empty() { "no unit" } else { &of.unit };
+        return misfit(
+            format!("`{name}` is in {given}, and its figures in the instrument file are in {own}"),
+            format!("write unit = \"{given}\" for it, and its figures in {given}"),
+        );
+    }
+    None
+}
+
+/// Channels of an instrument file that the capture does not have: an error where a name is nearly that of another channel, whose
+/// errors would be left out, else a note.
+///
+/// # Errors
+/// R0213 for each name that is nearly one of the capture's.
+pub fn strangers(instrument: &InstrumentFile, capture: &Capture) -> Result<Vec<String>, Vec<Diagnostic>> {
+    let has = |name: &str| capture.channels.iter().any(|channel| channel.name == name);
+    let free = capture.channels.iter().map(|channel| channel.name.as_str());
+    let free: Vec<&str> = free.filter(|name| instrument.channel(name).is_none()).collect();
+    let (mut found, mut strange) = (Vec::new(), Vec::new());
+    for name in instrument.channels.iter().map(|channel| &channel.name).filter(|name| !has(name)) {
+        match suggest(name, free.iter().copied()) {
+            Some(near) => {
+                let message = format!("{}: the capture has no channel `{name}`", instrument.name);
+                let help = format!("write `{near}`, or remove the channel from the file");
+                found.push(Diagnostic::error("R0213", message).help(help));
+            }
+            None => strange.push(name.clone()),
+        }
+    }
+    if found.is_empty() { Ok(strange) } else { Err(found) }
 }
 
 /// That several channels have the name of a signal, so that none of them is it by its name.
@@ -107,5 +176,5 @@ fn mapping(text: &str, capture: &Capture, signals: &[SignalInfo]) -> Result<Chan
         let message = format!("--map {text}: the case has no signal `{signal}`");
         return Err(Diagnostic::error("R0172", message).help(known(signal, &names)));
     };
-    Ok(ChannelMapping { channel: channel_at, signal: signal_at, threshold })
+    Ok(ChannelMapping { threshold, ..ChannelMapping::new(channel_at, signal_at) })
 }

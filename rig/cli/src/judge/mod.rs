@@ -51,6 +51,9 @@ pub struct CaptureArgs {
     /// The time between two samples, where the capture does not say it or says it wrongly.
     #[arg(long, value_name = "TIME")]
     pub period: Option<String>,
+    /// The file that says what the clock and the channels of the instrument may be off.
+    #[arg(long, value_name = "FILE")]
+    pub instrument: Option<PathBuf>,
     /// The board file that says what the signals are, in place of the plan's own.
     #[arg(long, value_name = "FILE")]
     pub board: Option<PathBuf>,
@@ -67,6 +70,7 @@ impl CaptureArgs {
         words.iter().any(|word| word.is_some())
             || lists.iter().any(|list| !list.is_empty())
             || self.board.is_some()
+            || self.instrument.is_some()
     }
 }
 
@@ -96,7 +100,7 @@ fn try_run(args: &JudgeArgs) -> Result<ExitStatus, ExitStatus> {
             if args.capture.is_given() {
                 let what =
                     format!("{path} is a trace of the rig's own, which says its case, signals and instants");
-                let help = "leave out what describes a capture: --case, --map, --start, --at, --period, --board, --param";
+                let help = "leave out what describes a capture: --case, --map, --start, --at, --period, --instrument, --board, --param";
                 return Err(output::refuse(NOT_JUDGED, what, help));
             }
             own(&args.plan, &trace, &mut sources)

@@ -11,15 +11,22 @@ use crate::schedule::case_ending::CaseEnding;
 use crate::schedule::{Act, Due, EndReason, Schedule, Timing};
 use crate::suite::case_files::CaseFiles;
 use crate::suite::describe;
-use capture::{Capture, CapturedChange, CapturedChannel, ChannelType, Knowledge};
+use crate::suite::instrument_file::InstrumentFile;
+use capture::{Capture, CapturedChange, CapturedChannel, ChannelType, Knowledge, LevelRule, ReadingError};
 use document::Diagnostic;
 use plans::Case;
+use plans::judge::{INSTANTS_COVERAGE_NOTE, coverage_note};
 use plans::lang::{Anchor, AnchorBase};
 use plans::steps::CasePart;
 use signal::{
-    Cause, ClockDomain, Event, Policy, Sampling, SignalId, SignalInfo, Span, Time, Trace, TraceError, Value,
-    ValueKind, When,
+    Cause, ClockDomain, Coverage, Event, Policy, Sampling, SignalId, SignalInfo, Span, Time, Trace,
+    TraceError, Value, ValueKind, When,
 };
+
+/// The note that names the instrument file by which a capture was read.
+pub(crate) const INSTRUMENT_NOTE: &str = "instrument";
+/// The note that has its text.
+pub(crate) const INSTRUMENT_TEXT_NOTE: &str = "instrument-text";
 
 /// The signals and steps of a case, as a run would have them.
 #[derive(Debug)]
@@ -62,8 +69,55 @@ pub struct ChannelMapping {
     pub channel: usize,
     /// Place of the signal.
     pub signal: usize,
-    /// Above this the signal is TRUE.
+    /// Above this the signal is TRUE; `None` once [`find_levels`] has gone through the capture.
     pub threshold: Option<f64>,
+    /// Distance of the thresholds of TRUE and FALSE around it.
+    pub hysteresis: f64,
+    /// How far the readings may be off.
+    pub error: ReadingError,
+    /// What that covers.
+    pub coverage: Coverage,
+}
+
+impl ChannelMapping {
+    /// A channel whose values are those of the signal.
+    pub fn new(channel: usize, signal: usize) -> ChannelMapping {
+        ChannelMapping {
+            channel,
+            signal,
+            threshold: None,
+            hysteresis: 0.0,
+            error: ReadingError::default(),
+            coverage: Coverage::Limits,
+        }
+    }
+
+    /// The same as an instrument file describes it, whose threshold is that of a signal that has none yet.
+    #[must_use]
+    pub fn described(mut self, info: &SignalInfo, instrument: &InstrumentFile, name: &str) -> ChannelMapping {
+        if let Some(channel) = instrument.channel(name) {
+            if info.kind == ValueKind::Bool {
+                self.threshold = self.threshold.or(channel.threshold);
+                self.hysteresis = channel.hysteresis;
+            }
+            self.error = channel.error;
+            self.coverage = channel.coverage;
+        }
+        self
+    }
+}
+
+/// Gives every mapping with a threshold a channel of levels of its own.
+pub fn find_levels(capture: &mut Capture, wires: &mut [ChannelMapping]) {
+    let rule = |wire: &ChannelMapping| {
+        let threshold = wire.threshold?;
+        Some((wire.channel, LevelRule { threshold, hysteresis: wire.hysteresis, error: wire.error }))
+    };
+    let rules: Vec<(usize, LevelRule)> = wires.iter().filter_map(rule).collect();
+    let levels = capture.add_levels(&rules);
+    for (wire, level) in wires.iter_mut().filter(|wire| wire.threshold.is_some()).zip(levels) {
+        (wire.channel, wire.threshold) = (level, None);
+    }
 }
 
 /// Why a channel cannot be a signal: what is wrong, and what to do.
@@ -120,20 +174,28 @@ pub struct Instants {
 }
 
 /// A value of the capture as the signal has it.
-fn fit(value: Value, kind: ValueKind, threshold: Option<f64>) -> Value {
-    let number = value.as_real();
-    match (kind, threshold) {
-        _ if matches!(value, Value::HighZ | Value::Unknown) => value,
-        (ValueKind::Bool, Some(threshold)) => {
-            number.map_or(Value::Unknown, |number| Value::Bool(number > threshold))
-        }
-        (ValueKind::Bool, None) => value.as_bool().map_or(Value::Unknown, Value::Bool),
-        (ValueKind::Real, _) => number.map_or(Value::Unknown, Value::Real),
-        (ValueKind::Word, _) => value.as_int().map_or(Value::Unknown, |n| Value::Word(n as u64)),
+fn fit(value: Value, kind: ValueKind, error: &ReadingError) -> Value {
+    if matches!(value, Value::HighZ | Value::Unknown) {
+        return value;
+    }
+    match kind {
+        ValueKind::Bool => value.as_bool().map_or(Value::Unknown, Value::Bool),
+        ValueKind::Real => value.as_real().map_or(Value::Unknown, |number| read(number, error)),
+        ValueKind::Word => value.as_int().map_or(Value::Unknown, |n| Value::Word(n as u64)),
         // The low 64 bits: two's complement, as dumps have them.
-        (ValueKind::Int | ValueKind::State | ValueKind::Mark, _) => {
+        ValueKind::Int | ValueKind::State | ValueKind::Mark => {
             value.as_int().map_or(Value::Unknown, |n| Value::Int(n as i64))
         }
+    }
+}
+
+/// A reading with how far the truth may lie from it.
+fn read(number: f64, error: &ReadingError) -> Value {
+    let off = error.of(number);
+    match Value::measured(number, off) {
+        // More than can be kept: the truth may be anything.
+        Value::Real(_) if off > 0.0 => Value::Unknown,
+        value => value,
     }
 }
 
@@ -148,6 +210,7 @@ pub fn trace(
     capture: &Capture,
     wires: &[ChannelMapping],
     instants: Option<&Instants>,
+    instrument: Option<&InstrumentFile>,
 ) -> Result<Trace, TraceError> {
     let PreparedCase { trace: model, mut steps, .. } = layout.prepared;
     let mut trace = Trace::new();
@@ -156,6 +219,9 @@ pub fn trace(
         trace.define(if wired { seen_by(info.clone(), capture.knowledge) } else { info.clone() })?;
     }
     annotate(&mut trace, case, files, capture);
+    if let Some(instrument) = instrument {
+        annotate_instrument(&mut trace, wires, instrument);
+    }
     let count = trace.signals().len();
     let mut widths = vec![0; steps.len()];
     if let Some(instants) = instants {
@@ -184,7 +250,7 @@ pub fn trace(
         widths,
         emitted: Vec::new(),
     };
-    replay.run(capture.span, instants.map(|instants| instants.start))?;
+    replay.run(capture.span[0], capture.end, instants.map(|instants| instants.start))?;
     CaseEnding { early: replay.schedule.early_end(), ..CaseEnding::default() }.write_to(&mut replay.trace);
     Ok(replay.trace)
 }
@@ -228,6 +294,27 @@ fn may_meet(schedule: &Schedule, step: usize, before: Option<Value>, value: Valu
 
 fn is_known(value: Option<Value>) -> bool {
     value.is_some_and(|value| value != Value::Unknown)
+}
+
+/// Notes of the instrument: its file whole, so that the trace can be judged again without it, and what of it is no bound.
+fn annotate_instrument(trace: &mut Trace, wires: &[ChannelMapping], instrument: &InstrumentFile) {
+    trace.set_note(INSTRUMENT_NOTE, instrument.name.clone());
+    trace.set_note(INSTRUMENT_TEXT_NOTE, instrument.text.clone());
+    let mut instants = vec![instrument.coverage];
+    let of = |wire: &ChannelMapping| {
+        let info = trace.signals().get(wire.signal)?;
+        Some((info.name.clone(), info.kind == ValueKind::Bool, wire.coverage))
+    };
+    let stated: Vec<_> =
+        wires.iter().filter_map(of).filter(|(.., coverage)| *coverage != Coverage::Limits).collect();
+    for (name, is_line, coverage) in stated {
+        trace.set_note(&coverage_note(&name), coverage.to_string());
+        // A step may wait for the line, and the start may be an edge of it.
+        if is_line {
+            instants.push(coverage);
+        }
+    }
+    trace.set_note(INSTANTS_COVERAGE_NOTE, Coverage::together(instants));
 }
 
 fn width(at: When) -> i64 {
@@ -279,7 +366,8 @@ impl StepWait {
 }
 
 impl Replay<'_> {
-    fn run(&mut self, [first, last]: [Time; 2], start: Option<When>) -> Result<(), TraceError> {
+    /// `first` is the first instant of the capture, `captured` its end.
+    fn run(&mut self, first: Time, captured: When, start: Option<When>) -> Result<(), TraceError> {
         let mut waiting = start;
         while let Some(change) = self.changes.get(self.next) {
             // What a channel is at the first instant it was before, too: that is no edge of a case that starts there.
@@ -304,12 +392,13 @@ impl Replay<'_> {
         if waiting.is_some() {
             self.start(all)?;
         }
+        let last = captured.latest;
         self.settle(last, false)?;
         let end = self.schedule.end().unwrap_or(last);
-        if end > last {
+        if end > captured.earliest {
             for wire in self.wires {
                 let signal = SignalId(wire.signal as u32);
-                self.put(signal, When::exactly(last), Value::Unknown)?;
+                self.put(signal, captured, Value::Unknown)?;
             }
             self.settle(end, false)?;
         }
@@ -325,7 +414,7 @@ impl Replay<'_> {
     fn change(&mut self, wire: &ChannelMapping, at: When, value: Value) -> Result<(), TraceError> {
         let signal = SignalId(wire.signal as u32);
         let Some(info) = self.trace.signals().get(wire.signal) else { return Ok(()) };
-        let value = fit(value, info.kind, wire.threshold);
+        let value = fit(value, info.kind, &wire.error);
         let before = self.trace.last(signal).map(|event| event.value);
         if !self.put(signal, at, value)? {
             return Ok(());
@@ -373,7 +462,7 @@ impl Replay<'_> {
                 wire.signal == signal.0 as usize && wire.channel == change.channel as usize
             };
             let Some(wire) = self.wires.iter().find(own) else { continue };
-            let value = fit(change.value, info.kind, wire.threshold);
+            let value = fit(change.value, info.kind, &wire.error);
             if change.at.earliest <= limit && may_meet(&self.schedule, step, before, value) {
                 return true;
             }

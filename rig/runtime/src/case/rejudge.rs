@@ -1,9 +1,10 @@
 //! Verdicts again from a recorded trace alone.
 
+use crate::case::capture_import::{INSTRUMENT_NOTE, INSTRUMENT_TEXT_NOTE};
 use crate::case::verdict;
 use crate::codes;
 use crate::schedule::case_ending::CaseEnding;
-use crate::suite::describe;
+use crate::suite::{describe, instrument_file};
 use document::{Diagnostic, SourceFile};
 use plans::judge::CaseJudge;
 use plans::plan::{GlobalChecks, PlanText};
@@ -59,6 +60,10 @@ pub fn judge_gathered(text: &PlanText, trace: &Trace) -> Result<CaseRecord, Vec<
         profile: note("profile").to_owned(),
         reference: note("reference").to_owned(),
         model: note("model").to_owned(),
+        instrument: match (trace.note(INSTRUMENT_NOTE), trace.note(INSTRUMENT_TEXT_NOTE)) {
+            (Some(file), Some(text)) => Some(instrument_file::read(&SourceFile::new(file, text))?.record()),
+            _ => None,
+        },
         seed,
         trace_sha256: describe::hex(&trace.digest()),
         ..CaseRecord::default()
