@@ -8,7 +8,7 @@ use record::{CaseRecord, Figure, RunRecord};
 
 /// Header of [`measurements`].
 const MEASUREMENTS: &str = "case,profile,name,verdict,low,high,unit,min,max,margin,margin_unit,from_earliest_ns,\
-from_latest_ns,to_earliest_ns,to_latest_ns,signal,seed,reason,plan,line,guard";
+from_latest_ns,to_earliest_ns,to_latest_ns,signal,seed,reason,plan,line,guard,coverage";
 
 /// Header of [`claims`].
 const CLAIMS: &str = "case,profile,name,verb,verdict,margin,margin_unit,uncertainty,uncertainty_unit,\
@@ -34,6 +34,7 @@ pub fn measurements(run: &RunRecord) -> String {
             row.text(m.signal.as_deref().unwrap_or_default());
             row.origin(case, &m.reason, m.line);
             row.text(if m.guard_band.is_uncertainty() { "uncertainty" } else { "none" });
+            row.text(&m.coverage);
         }
     }
     table.out

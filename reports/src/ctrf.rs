@@ -198,6 +198,7 @@ fn measurement(m: &MeasurementRecord) -> Value {
         ("low", number(m.value.map(|[low, _]| low))),
         ("high", number(m.value.map(|[_, high]| high))),
         ("unit", text(&m.unit)),
+        ("coverage", text(&m.coverage)),
         ("min", number(min)),
         ("max", number(max)),
         ("guard", text(if m.guard_band.is_uncertainty() { "" } else { "none" })),

@@ -143,7 +143,7 @@ fn with_claims(case: &CaseRecord) -> String {
     });
     let measurements = case.measurements.iter().filter(|m| m.verdict > Verdict::Pass).map(|m| {
         let wanted = format!("{} {}", m.name, show::limits(m));
-        (m.verdict, [wanted, show::value(m), figure(m.margin.as_ref())], m.line)
+        (m.verdict, [wanted, show::covered(m), figure(m.margin.as_ref())], m.line)
     });
     let all: Vec<_> = claims.chain(measurements).collect();
     if all.is_empty() {
@@ -192,8 +192,8 @@ fn margins(page: &mut BoundedText, run: &RunRecord) {
                     case,
                     name: &m.name,
                     observed: match m.guard_band {
-                        GuardBand::Uncertainty => show::value(m),
-                        GuardBand::None => format!("{}, guard none", show::value(m)),
+                        GuardBand::Uncertainty => show::covered(m),
+                        GuardBand::None => format!("{}, guard none", show::covered(m)),
                     },
                     margin,
                 });

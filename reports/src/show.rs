@@ -1,6 +1,9 @@
 //! How names, verdicts and figures are written, the same in every report.
 
-use record::{CaseRecord, CaseStatus, Figure, MeasurementRecord, RunRecord, Statistics, Verdict};
+use record::{
+    CaseRecord, CaseStatus, Figure, InstrumentRecord, InstrumentStatement, MeasurementRecord, RunRecord,
+    Statistics, Verdict,
+};
 use signal::{Span, Value};
 use std::borrow::Cow;
 
@@ -111,6 +114,27 @@ pub(crate) fn value(measurement: &MeasurementRecord) -> String {
             format!("{} .. {}", figure(low, &measurement.unit), figure(high, &measurement.unit))
         }
     }
+}
+
+/// A measured value with what its interval covers: `23.990 ± 0.030 V (coverage 95 %)`.
+pub(crate) fn covered(measurement: &MeasurementRecord) -> String {
+    match measurement.coverage.as_str() {
+        "" => value(measurement),
+        coverage => format!("{} (coverage {coverage})", value(measurement)),
+    }
+}
+
+/// What an instrument file says, a line for each of its parts: `timebase: error = 25 ppm, resolution = 10 ns`.
+pub(crate) fn instrument(instrument: &InstrumentRecord) -> Vec<String> {
+    let mut lines: Vec<(&str, String)> = Vec::new();
+    for InstrumentStatement { of, key, value } in &instrument.statements {
+        let stated = format!("{key} = {value}");
+        match lines.last_mut() {
+            Some((last, line)) if last == of => *line = format!("{line}, {stated}"),
+            _ => lines.push((of, stated)),
+        }
+    }
+    lines.into_iter().map(|(of, line)| format!("{of}: {line}")).collect()
 }
 
 /// The limits of a measurement as the plan gave them; empty when it has none. Where no guard band belongs to them they say so:

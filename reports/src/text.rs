@@ -97,6 +97,12 @@ pub fn details(case: &CaseRecord, style: Style) -> String {
     for measurement in case.measurements.iter().filter(attention) {
         measurement_details(&mut out, case, measurement, style);
     }
+    if let Some(instrument) = &case.instrument {
+        line(&mut out, 2, "instrument", &clean(&format!("{} {}", instrument.file, instrument.title)));
+        for stated in show::instrument(instrument) {
+            line(&mut out, 6, "", &clean(&stated));
+        }
+    }
     let model = if case.model.is_empty() { String::new() } else { format!(", model {}", clean(&case.model)) };
     let origin = format!("{}seed {}, {}{model}", place(case, 0, ", "), case.seed, clean(&case.profile));
     line(&mut out, 2, "case", origin.trim_end_matches([',', ' ']));
@@ -151,6 +157,7 @@ fn measurement_details(out: &mut String, case: &CaseRecord, measurement: &Measur
         &[
             ("limits", show::limits(measurement)),
             ("measured", show::value(measurement)),
+            ("coverage", measurement.coverage.clone()),
             ("why", measurement.reason.clone()),
             ("margin", measurement.margin.as_ref().map_or(String::new(), ToString::to_string)),
             ("in", place(case, measurement.line, "")),

@@ -45,7 +45,7 @@ fn every_report_says_that_a_limit_has_no_guard_band() {
         "(limits 0 s .. 7 us, guard none)",
         "4 us .. 8 us, guard none",
         "\"guard\":\"none\"",
-        ",none\r\n",
+        ",none,",
     ]) {
         assert!(form.replace("\": \"", "\":\"").contains(word), "{word} in {form}");
     }

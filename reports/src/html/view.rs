@@ -247,7 +247,7 @@ impl FailedCheck {
             sign: show::sign(measurement.verdict),
             name: measurement.name.clone(),
             expected: show::limits(measurement),
-            observed: show::value(measurement),
+            observed: show::covered(measurement),
             reason: measurement.reason.clone(),
             margin: measurement.margin.as_ref().map_or(String::new(), ToString::to_string),
             miss: String::new(),

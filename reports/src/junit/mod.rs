@@ -309,7 +309,13 @@ fn system_out(case: &CaseRecord, folder: &str, passed: bool) -> String {
     for m in &case.measurements {
         let limits = show::limits(m);
         let limits = if limits.is_empty() { String::new() } else { format!(" (limits {limits})") };
-        line(&format!("{} {} = {}{limits}", m.verdict, m.name, show::value(m)));
+        line(&format!("{} {} = {}{limits}", m.verdict, m.name, show::covered(m)));
+    }
+    if let Some(instrument) = &case.instrument {
+        line(&format!("instrument {} {}", instrument.file, instrument.title));
+        for stated in show::instrument(instrument) {
+            line(&format!("  {stated}"));
+        }
     }
     for file in [brief::waves(case), brief::frames(case)].into_iter().flatten().filter(|_| !passed) {
         let file = if folder.is_empty() { file } else { format!("{}/{file}", folder.trim_end_matches('/')) };

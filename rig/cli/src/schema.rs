@@ -3,7 +3,9 @@
 use crate::exit::ExitStatus;
 use crate::output;
 use clap::{Args, ValueEnum};
+use document::schema::{Grammar, schema};
 use drivers::file::KEYS as BOARD_KEYS;
+use runtime::suite::instrument_file::KEYS as INSTRUMENT_KEYS;
 use serde_json::Value as Json;
 
 /// `rig schema`.
@@ -25,6 +27,8 @@ pub enum SchemaFormat {
     Suite,
     /// A file that plans include.
     Included,
+    /// An instrument file: what the instrument of a capture may be off.
+    Instrument,
 }
 
 /// Prints a schema.
@@ -43,6 +47,10 @@ fn json(of: SchemaFormat) -> Json {
         SchemaFormat::Plan => plans::schema::plan(),
         SchemaFormat::Suite => plans::schema::suite(),
         SchemaFormat::Included => plans::schema::included(),
+        SchemaFormat::Instrument => {
+            let about = "What the clock and the channels of an instrument that records captures may be off.";
+            schema("Scanrig instrument file", about, INSTRUMENT_KEYS, &Grammar::default())
+        }
         SchemaFormat::Board => plans::schema::board(BOARD_KEYS),
     }
 }

@@ -128,7 +128,6 @@ pub struct MeasurementRecord {
     /// What the interval of the value covers: `limits` where it holds the value of every placement, so that it is never
     /// passed; else the statements of uncertainty that took part and are no bounds, as in `95 %` or `95 %, k = 2`. Empty in
     /// records of a rig that did not say it.
-    #[serde(skip_serializing_if = "String::is_empty")]
     pub coverage: String,
     /// Unit of all numbers of this measurement; durations are in `ns`.
     pub unit: String,

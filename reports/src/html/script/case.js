@@ -68,7 +68,7 @@ const measureRow = (m, record) =>
     {},
     h("td", {}, badge(m.verdict, m.verdict === "none" ? "no limits" : null)),
     h("td", {}, m.name, note("", m.reason), note("", placeOf(m, record), true)),
-    h("td", { class: "n" }, measured(m)),
+    h("td", { class: "n" }, measured(m), m.value && m.coverage && note("Coverage", m.coverage)),
     h("td", { class: "n" }, measureGauge(m)),
     h("td", {}, limits(m)),
     h("td", { class: "n" }, shown(m.margin)),
@@ -148,6 +148,19 @@ const logTable = (record) =>
   ];
 
 // A part that opens on demand.
+// What the instrument that recorded the case says of its own errors.
+const instrumentTable = (instrument) =>
+  h(
+    "div",
+    {},
+    h("p", { class: "meta" }, instrument.title && h("span", {}, instrument.title), h("span", { class: "code" }, instrument.file)),
+    table(
+      "plain",
+      [["Of"], ["Key"], ["States"]],
+      (instrument.statements ?? []).map((one) => h("tr", {}, h("td", { class: "code" }, one.of), h("td", { class: "code" }, one.key), h("td", {}, one.value))),
+    ),
+  );
+
 const part = (name, content, open) => content && h("details", { class: "more", open }, h("summary", {}, name), content);
 
 const caseBody = (record) => {
@@ -180,6 +193,7 @@ const caseBody = (record) => {
     rows.size > 0 && table("claims", [["#"], ["Verdict"], ["Claim"], ["Observed"], ["Margin", true], ["Uncertainty", true]], [...rows.values()]),
     record.measurements.length > 0 &&
       table("measurements", [["Verdict"], ["Measurement"], ["Value", true], ["Within limits", true], ["Limits"], ["Margin", true]], record.measurements.map((m) => measureRow(m, record))),
+    part("Instrument", record.instrument && instrumentTable(record.instrument)),
     part("Steps and tasks", (record.steps.length > 0 || record.tasks.length > 0) && h("div", {}, stepTable(record), taskTable(record))),
     part(`Log, ${plural(record.log.length, "line")}`, record.log.length > 0 && h("div", {}, logTable(record))),
     part("Evidence", evidence(record)),
