@@ -75,7 +75,7 @@ mod tests {
     fn texts_arrays_and_structures_have_bytes_and_single_values_have_none() {
         let text = "TYPE pair : STRUCT a : INT; name : STRING[4]; END_STRUCT; other : STRUCT t : TON; END_STRUCT; END_TYPE
             PROGRAM MAIN VAR n : INT; s : STRING[9] := 'abc'; w : WSTRING[2]; a : ARRAY [1..3] OF BYTE := [1, 2, 3];
-            p : pair; t : TON; o : other; to : POINTER TO INT; m AT %MB6 : ARRAY [0..2] OF INT; END_VAR END_PROGRAM";
+            p : pair; t : TON; o : other; address : POINTER TO INT; m AT %MB6 : ARRAY [0..2] OF INT; END_VAR END_PROGRAM";
         let program = compile(&[SourceFile::new("a.st", text)], &Options::default()).unwrap();
         let bytes = |path: &str| program.extent(path).map(|extent| extent.bytes);
         assert_eq!(bytes("main.s"), Some(10));
@@ -83,7 +83,7 @@ mod tests {
         assert_eq!(bytes("MAIN.a"), Some(3));
         assert_eq!(bytes("MAIN.p.name"), Some(5));
         assert!(bytes("MAIN.p").is_some_and(|bytes| bytes >= 7));
-        for none in ["MAIN.n", "MAIN.a[2]", "MAIN.t", "MAIN.o", "MAIN.to", "MAIN", "MAIN.gone"] {
+        for none in ["MAIN.n", "MAIN.a[2]", "MAIN.t", "MAIN.o", "MAIN.address", "MAIN", "MAIN.gone"] {
             assert_eq!(bytes(none), None, "{none}");
         }
         let located = Storage::Located(Address::new(Area::Memory, Size::Byte, 6).unwrap());

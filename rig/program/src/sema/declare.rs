@@ -5,6 +5,7 @@ use super::{Global, Interface, KeyMap, Sema, State, TypeEntry, TypeId};
 use crate::codes::Code;
 use crate::findings::SourcePlace;
 use crate::parse::ast::{self, Key, Name, PouKind, Section, SectionKind};
+use crate::program::Retention;
 use crate::types::Elementary;
 
 impl<'a> Sema<'a> {
@@ -41,7 +42,20 @@ impl<'a> Sema<'a> {
             }
         }
         let outer = unit.configurations.iter().flat_map(|configuration| &configuration.globals);
+        let mut persistent: Option<SourcePlace> = None;
         for section in unit.globals.iter().chain(outer) {
+            // controller:REM-04
+            if section.retention == Retention::Persistent
+                && let Some(first) = persistent.replace(section.at)
+            {
+                self.findings.error_with(
+                    Code::Section,
+                    section.at,
+                    "a second list of persistent variables: an application has one, PersistentVars",
+                    "move these variables into the other VAR_GLOBAL PERSISTENT",
+                    (first, "the other one"),
+                );
+            }
             for decl in &section.variables {
                 if self.declare(decl.name, Global::Variable(self.globals.len() as u32)) {
                     let symbol = self.symbol(section, decl);
