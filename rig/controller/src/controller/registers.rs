@@ -226,8 +226,8 @@ impl Controller {
             Field::FreeFileHandles => FILE_HANDLES,
             Field::TotalBytes => part(USER_DISK_BYTES),
             Field::FreeBytes => part(self.files.free_bytes()),
-            // Connected while a tool is: the model's plans always are.
-            Field::TerminalPort => 2,
+            // None or connected: a tool is there at once (controller:SYS-06).
+            Field::TerminalPort => 2 * u16::from(self.power.tool_connected),
             Field::SdCard => 0,
             Field::Tm3Bus => 3,
             Field::Writable(place) => self.registers.writable(place),
