@@ -11,7 +11,16 @@ fn sound_files_have_no_errors() {
     assert_eq!(ran.out, "lamp.toml: no errors\nlamp.st: no errors\nboard.toml: no errors\n");
     assert_eq!(ran.err, "");
     let library = root().join("plans/library");
-    bench.expect(0, &["check", library.to_str().unwrap()]);
+    let ran = bench.expect(0, &["check", library.to_str().unwrap()]);
+    // Programs that the compiler warns of are there for it, and say so.
+    let meant = ["types/lreal.toml", "types/promotion.st", "memory/relocation.st", "watchdog/fault.st"];
+    let mut lines = ran.err.lines();
+    while let Some(line) = lines.next() {
+        if line.starts_with("warning[S") || line.starts_with("warning[R0117]") {
+            let place = lines.next().unwrap_or_default();
+            assert!(meant.iter().any(|file| place.contains(file)), "{line}\n{place}");
+        }
+    }
 }
 
 #[test]
@@ -50,4 +59,26 @@ fn a_board_can_be_given_as_for_a_test() {
     assert_eq!(ran.out, "board.toml: no errors\nheat.toml: no errors\n");
     bench.expect(0, &["check", "--board", "board.toml"]);
     bench.refused(&["check", "--board", "lamp.toml"], &["B0004", "program"]);
+}
+
+#[test]
+fn what_the_compiler_warns_of_in_a_plans_program_is_shown_once() {
+    let bench = TestProject::new();
+    bench.write(
+        "warned.st",
+        "PROGRAM MAIN\nVAR a, b : UINT; c : BOOL; d : LREAL; END_VAR\nc := a - b > 5;\nEND_PROGRAM\n",
+    );
+    bench.write(
+        "warned.toml",
+        "format = 1\ntitle = \"A program with warnings\"\nprofiles = [\"m241-2014\", \"m241-2019\", \"m251-2024\"]\n\
+         program = \"warned.st\"\nexpect = [{ state = { is = \"RUNNING\", when = \"end\" } }]\n\
+         [rows]\none = {}\ntwo = {}\n",
+    );
+    for command in ["check", "test"] {
+        let ran = bench.expect(0, &[command, "warned.toml"]);
+        assert_eq!(ran.err.matches("[S0309]").count(), 1, "{}", ran.err);
+        // It names the profile, of which two lack the type.
+        assert_eq!(ran.err.matches("[R0117]").count(), 2, "{}", ran.err);
+        assert!(ran.err.contains("warned.st:3:6"), "{}", ran.err);
+    }
 }

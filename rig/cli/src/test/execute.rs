@@ -71,13 +71,24 @@ pub fn execute(
     observer.run_started(&collector.run, at_once);
     let operator = operator.as_ref().map(|operator| operator as &dyn Operator);
     let options = RunOptions { operator, hardware: hardware.as_ref(), ..options(args, real) };
+    // What the compiler warns of in a program, once for all cases that run it.
+    let mut warned: Vec<Diagnostic> = Vec::new();
     jobs::watch(loaded, jobs, at_once, args.fail_fast, &options, &mut |happened| match happened {
         JobEvent::Begun(place) => observer.case_started(place, &jobs[place]),
         JobEvent::Ended(place) => observer.case_ended(place),
         JobEvent::Idle => observer.time_passes(),
         JobEvent::Done(place, done) => {
-            if let JobResult::Findings(found) = &done {
-                observer.found(found, sources);
+            match &done {
+                JobResult::Findings(found) => observer.found(found, sources),
+                JobResult::Case(result) => {
+                    let new = |one: &&Diagnostic| !warned.contains(one);
+                    let new: Vec<Diagnostic> = result.warnings.iter().filter(new).cloned().collect();
+                    if !new.is_empty() {
+                        observer.found(&new, sources);
+                        warned.extend(new);
+                    }
+                }
+                JobResult::Skipped(_) => {}
             }
             let record = collector.collect(done, &jobs[place], loaded);
             observer.case_finished(place, record);

@@ -121,12 +121,14 @@ pub struct CaseResult {
     pub frames: String,
     /// What of the program ran, file by file, where that was asked for.
     pub coverage: Vec<CoveredFile>,
+    /// What the compiler warns of in its programs.
+    pub warnings: Vec<Diagnostic>,
 }
 
 impl CaseResult {
     /// A case that did not run and has no trace.
     fn not_run(record: CaseRecord) -> CaseResult {
-        CaseResult { record, trace: None, frames: String::new(), coverage: Vec::new() }
+        CaseResult { record, trace: None, frames: String::new(), coverage: Vec::new(), warnings: Vec::new() }
     }
 }
 
@@ -225,6 +227,8 @@ fn run_here(
     let mut case = files.guarded(case)?;
     let collector = options.coverage.then(Collector::default);
     let mut stage = set_up(&case, files, collector.clone())?;
+    let mut warnings = std::mem::take(&mut stage.program_warnings);
+    files.joined.locate(&mut warnings);
     let hardware = options.hardware.filter(|hardware| hardware.name() == files.board.name);
     if let Some(hardware) = hardware {
         stage.board = Box::new(hardware.lease());
@@ -246,7 +250,7 @@ fn run_here(
                 record.reason = reason;
             }
         }
-        return Ok(CaseResult::not_run(record));
+        return Ok(CaseResult { warnings, ..CaseResult::not_run(record) });
     }
     if files.board.subject.is_external() {
         applicability::remove_unreachable_signals(case.to_mut(), files, &*stage.board);
@@ -264,7 +268,7 @@ fn run_here(
     if let Some(warning) = prepared.warnings.iter().find(|warning| warning.code == NOT_PROMISED) {
         record.verdict = Verdict::Inconclusive;
         record.reason = format!("{}; {}", warning.message, warning.help);
-        return Ok(CaseResult::not_run(record));
+        return Ok(CaseResult { warnings, ..CaseResult::not_run(record) });
     }
     let TestSetup { mut subject, mut board, program, .. } = stage;
     let initial = initial_state(case.settings.initial);
@@ -349,7 +353,7 @@ fn run_here(
     let (kept, more) = ran.frames.counts();
     record.frames = (kept > 0).then_some(FramesKept { kept, more });
     let frames = ran.frames.text(board.bus_list());
-    Ok(CaseResult { record, trace: Some(trace), frames, coverage })
+    Ok(CaseResult { record, trace: Some(trace), frames, coverage, warnings })
 }
 
 fn show(recorder: &mut Recorder, signal: SignalId, value: Value) {

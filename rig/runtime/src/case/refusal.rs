@@ -1,6 +1,5 @@
 //! Cases that are to be refused or warned of when they are checked, and never run.
 
-use crate::application::{compile, notes};
 use crate::case::look_up::look_up;
 use crate::codes;
 use crate::suite::case_files::CaseFiles;
@@ -11,13 +10,7 @@ use record::{CaseRecord, ClaimRecord, Verdict};
 
 /// What the check of the case finds: errors, or else what is worth knowing of its tasks and of its program.
 fn found(case: &Case, files: &CaseFiles) -> Vec<Diagnostic> {
-    let warnings = look_up(case, files).and_then(|mut found| {
-        let mut program = compile(&files.sources, files.profile)?;
-        found.append(&mut program.warnings);
-        found.extend(notes(&program, files.profile));
-        Ok(found)
-    });
-    warnings.unwrap_or_else(|errors| errors)
+    look_up(case, files).unwrap_or_else(|errors| errors)
 }
 
 /// What the check of the case finds, held against what it must find: what was observed, or what is wrong.

@@ -6,7 +6,7 @@ use crate::application::functions;
 use crate::application::inputs;
 use crate::application::store::MemoryStore;
 use crate::application::tasks::Tasks;
-use crate::application::{assign, compile};
+use crate::application::{assign, compile, notes};
 use crate::case::check::CaseOnBench;
 use crate::case::configure::{configuration, initial_state};
 use crate::codes;
@@ -40,6 +40,8 @@ pub(crate) struct TestSetup {
     pub(crate) tasks: Vec<(String, Vec<String>)>,
     /// What the controller accepts with a warning.
     pub(crate) warnings: Vec<Diagnostic>,
+    /// What the compiler warns of in the case's own program and in those that steps bring.
+    pub(crate) program_warnings: Vec<Diagnostic>,
 }
 
 impl TestSetup {
@@ -101,10 +103,17 @@ pub(crate) fn set_up(
         let readers = tasks.iter().map(|(task, _)| task.as_str()).zip(&places);
         inputs::latched_for_mast(program, readers, &case.settings, &files.plan.name)?;
     }
+    let warnings_of = |program: &program::Program| {
+        let mut found = program.warnings.clone();
+        found.extend(notes(program, files.profile));
+        found
+    };
+    let mut program_warnings = program.as_deref().map_or_else(Vec::new, warnings_of);
     let mut others = Vec::new();
     let mut known = Vec::new();
     for other in &files.others {
         let program = Arc::new(compile(&other.sources, files.profile)?);
+        program_warnings.extend(warnings_of(&program));
         let tasks = tasks_of_another(&program, case, &config, files)?;
         others.push((other.program.clone(), Bundle { sources: other.sources.clone(), tasks }.to_bytes()));
         known.push(program);
@@ -135,7 +144,16 @@ pub(crate) fn set_up(
     }
     let of_application = program.as_ref().and_then(|_| model.application_warning(&bundle));
     warnings.extend(crate::application::tasks::warnings(&config, of_application, &files.plan));
-    Ok(TestSetup { subject: Box::new(model), board, bundle, others, program, tasks, warnings })
+    Ok(TestSetup {
+        subject: Box::new(model),
+        board,
+        bundle,
+        others,
+        program,
+        tasks,
+        warnings,
+        program_warnings,
+    })
 }
 
 fn refused(files: &CaseFiles, error: &dyn std::fmt::Display) -> Vec<Diagnostic> {
@@ -168,6 +186,7 @@ fn set_up_external(
         program: None,
         tasks: Vec::new(),
         warnings: Vec::new(),
+        program_warnings: Vec::new(),
     })
 }
 
