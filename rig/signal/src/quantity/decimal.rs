@@ -2,6 +2,7 @@
 
 use std::cmp::Ordering;
 use std::fmt;
+use std::num::NonZeroU64;
 
 use super::{QuantityError, QuantityFault};
 
@@ -125,6 +126,82 @@ impl Decimal {
     pub fn minus(self, other: Decimal) -> Option<Decimal> {
         self.plus(Decimal { mantissa: other.mantissa.checked_neg()?, ..other })
     }
+
+    /// The greatest whole number that is not above, held at the limits of 128 bits.
+    pub fn floor(self) -> i128 {
+        match self.as_whole() {
+            Some(whole) => whole,
+            None if self.exponent >= 0 && self.mantissa < 0 => i128::MIN,
+            None if self.exponent >= 0 => i128::MAX,
+            // Digits that are all behind the point.
+            None => power_of_ten_of(self.exponent)
+                .map_or(if self.mantissa < 0 { -1 } else { 0 }, |power| self.mantissa.div_euclid(power)),
+        }
+    }
+
+    /// The quotient of two whole numbers as a decimal number; `None` where it has no end, or too many digits.
+    pub fn quotient(over: i128, under: NonZeroU64) -> Option<Decimal> {
+        let (mut rest, mut exponent, mut over) = (i128::from(under.get()), 0, over);
+        let divisor = common_divisor(over, rest);
+        (over, rest) = (over / divisor, rest / divisor);
+        while rest > 1 {
+            let (factor, by) = match (rest % 10, rest % 2, rest % 5) {
+                (0, ..) => (10, 1),
+                (_, 0, _) => (2, 5),
+                (.., 0) => (5, 2),
+                _ => return None,
+            };
+            rest /= factor;
+            over = over.checked_mul(by)?;
+            exponent -= 1;
+        }
+        Some(Decimal::new(over, exponent))
+    }
+
+    /// How the quotient of two whole numbers compares with this number, exactly.
+    pub fn cmp_to_quotient(self, over: i128, under: NonZeroU64) -> Ordering {
+        if self.mantissa < 0 {
+            let (less, over) = (self.mantissa.saturating_neg(), over.saturating_neg());
+            return Decimal { mantissa: less, ..self }.cmp_to_quotient(over, under).reverse();
+        }
+        if over < 0 || self.exponent >= 0 && self.as_whole().is_none() {
+            return Ordering::Greater;
+        }
+        let under = u128::from(under.get());
+        let (whole, mut rest) = (over.unsigned_abs() / under, over.unsigned_abs() % under);
+        let floor = self.floor().unsigned_abs();
+        if floor != whole || self.exponent >= 0 {
+            let order = floor.cmp(&whole);
+            return if rest > 0 { order.then(Ordering::Less) } else { order };
+        }
+        // What stands behind the point, digit by digit.
+        let places = usize::try_from(self.exponent.unsigned_abs()).unwrap_or(0);
+        let digits = self.mantissa.unsigned_abs().to_string();
+        let digits = format!("{digits:0>places$}");
+        for digit in digits[digits.len() - places..].bytes() {
+            let next = rest * 10;
+            rest = next % under;
+            match u128::from(digit - b'0').cmp(&(next / under)) {
+                Ordering::Equal => {}
+                order => return order,
+            }
+        }
+        if rest > 0 { Ordering::Less } else { Ordering::Equal }
+    }
+}
+
+/// Ten to the power of what `exponent` is below 0; `None` beyond 128 bits.
+fn power_of_ten_of(exponent: i32) -> Option<i128> {
+    10i128.checked_pow(exponent.unsigned_abs())
+}
+
+/// The greatest whole number that divides both, above 0; `b` is above 0.
+fn common_divisor(a: i128, b: i128) -> i128 {
+    let (mut a, mut b) = (a, b);
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a.saturating_abs().max(1)
 }
 
 /// Both mantissas for the exponent that both have then.
@@ -299,6 +376,27 @@ pub(super) mod tests {
         }
     }
 
+    #[test]
+    fn a_quotient_compares_beyond_every_float() {
+        let under = |number| NonZeroU64::new(number).unwrap();
+        let order = |text: &str, over, by| number(text).cmp_to_quotient(over, under(by));
+        assert_eq!(order("0.3333333333333333333333333333", 1, 3), Ordering::Less);
+        assert_eq!(order("0.3333333333333333333333333334", 1, 3), Ordering::Greater);
+        assert_eq!(order("-0.3333333333333333333333333334", -1, 3), Ordering::Less);
+        assert_eq!(order("2.5", 5, 2), Ordering::Equal);
+        assert_eq!(order("1e-300", 0, 7), Ordering::Greater);
+        assert_eq!(order("1e300", i128::MAX, 1), Ordering::Greater);
+        assert_eq!(order("1e-300", 1, u64::MAX), Ordering::Less);
+        assert_eq!(Decimal::quotient(-5, under(8)), Some(number("-0.625")));
+        assert_eq!(Decimal::quotient(0, under(3)), Some(Decimal::ZERO));
+        assert_eq!(Decimal::quotient(6, under(3)), Some(number("2")));
+        assert_eq!(Decimal::quotient(5, under(3)), None);
+        assert_eq!(
+            ["-2.5", "-0.1", "1e-60", "2.5", "-1e300"].map(|text| number(text).floor()),
+            [-3, -1, 0, 2, i128::MIN]
+        );
+    }
+
     pub(crate) fn any_decimal() -> impl Strategy<Value = Decimal> {
         let mantissa = prop_oneof![any::<i16>().prop_map(i128::from), any::<i64>().prop_map(i128::from)];
         (mantissa, -6..4).prop_map(|(mantissa, exponent)| Decimal::new(mantissa, exponent))
@@ -320,6 +418,17 @@ pub(super) mod tests {
             prop_assert_eq!(a.cmp(&b), fine(a).cmp(&fine(b)));
             prop_assert_eq!(a.plus(b).map(fine), Some(fine(a) + fine(b)));
             prop_assert_eq!(a.minus(b).map(fine), Some(fine(a) - fine(b)));
+        }
+
+        #[test]
+        fn a_quotient_compares_as_products_do(a in any_decimal(), over in any::<i64>(), under in 1u32..) {
+            let under = NonZeroU64::from(std::num::NonZeroU32::new(under).unwrap());
+            let product = a.times(Decimal::from(i128::from(under.get()))).unwrap();
+            let order = product.cmp(&Decimal::from(i128::from(over)));
+            prop_assert_eq!(a.cmp_to_quotient(i128::from(over), under), order);
+            if let Some(exact) = Decimal::quotient(i128::from(over), under) {
+                prop_assert_eq!(exact.cmp_to_quotient(i128::from(over), under), Ordering::Equal);
+            }
         }
 
         #[test]
