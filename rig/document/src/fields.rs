@@ -324,7 +324,7 @@ fn wrong_type(node: &Node, what: &str, ty: &KeyType, out: &mut Findings) -> bool
             format!("{text} is a TOML date or time, not a duration: write \"10 s\"")
         }
         Data::Text(_) | Data::Integer(_) if matches!(ty, KeyType::List(_)) => "put it between [ and ]".into(),
-        Data::Float(text) if matches!(ty, KeyType::Integer(..)) => {
+        Data::Float(text) if matches!(ty, KeyType::Integer(..)) && text.contains(['.', 'e', 'E', 'n']) => {
             format!("{text} is a float because of its point or exponent: write the digits, as in 1000")
         }
         Data::Integer(number) if matches!(ty, KeyType::Duration) => {

@@ -66,8 +66,9 @@ fn node(value: Spanned<DeValue<'_>>, text: &str, depth: usize, out: &mut Finding
         }
         DeValue::Integer(number) => match i64::from_str_radix(number.as_str(), number.radix()) {
             Ok(number) => Data::Integer(number),
+            Err(_) if number.radix() == 10 => Data::Float(number.as_str().to_owned()),
             Err(_) => {
-                let help = "integers have 64 bits; write a larger number as a text";
+                let help = "integers in another base have 64 bits; write a larger number in base ten";
                 out.error(out.codes().syntax, span.clone(), "the integer does not fit into 64 bits", help);
                 Data::Integer(0)
             }

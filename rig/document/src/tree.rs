@@ -35,7 +35,7 @@ pub enum Data {
     Text(String),
     /// A whole number of 64 bits.
     Integer(i64),
-    /// A number with a point or an exponent, as written, without `_`.
+    /// A number with a point or an exponent, or a whole one of more than 64 bits, as written, without `_`.
     Float(String),
     /// `true` or `false`.
     Bool(bool),
@@ -140,7 +140,8 @@ impl Node {
         match self.data {
             Data::Text(_) => "a text",
             Data::Integer(_) => "an integer",
-            Data::Float(_) => "a float",
+            Data::Float(ref text) if text.contains(['.', 'e', 'E', 'n']) => "a float",
+            Data::Float(_) => "an integer of more than 64 bits",
             Data::Bool(_) => "a Boolean",
             Data::Datetime(_) => "a TOML date or time",
             Data::Array(_) => "a list",

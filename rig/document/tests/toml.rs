@@ -52,6 +52,17 @@ fn values_know_their_places() {
     assert_eq!(&text[raw.get("k k").unwrap().inner(0..3)], "raw");
 }
 
+#[test]
+fn integers_of_more_than_64_bits_keep_their_digits() {
+    let root = read("a = 18_446_744_073_709_551_615\nb = -9223372036854775809\nc = 9223372036854775807");
+    let data = |key: &str| root.get(key).unwrap().data.clone();
+    assert_eq!(data("a"), Data::Float("18446744073709551615".into()));
+    assert_eq!(root.get("a").unwrap().kind(), "an integer of more than 64 bits");
+    assert_eq!(data("b"), Data::Float("-9223372036854775809".into()));
+    assert_eq!(data("c"), Data::Integer(i64::MAX));
+    assert_eq!(refused("a = 0xFFFF_FFFF_FFFF_FFFF_F")[0].0, "T1");
+}
+
 // With escapes the places inside the text are not known: the whole value is shown.
 #[test]
 fn a_text_with_escapes_is_shown_whole() {
