@@ -4,7 +4,7 @@
 use signal::{Policy, Sampling, SignalInfo, Span, Value, ValueKind};
 
 use crate::expect::{ClaimDemand, TraceClaim};
-use crate::monitor::{Number, ValueTest, slack};
+use crate::monitor::{Number, ValueTest, distance, slack};
 
 /// The values that a signal of whole numbers can have. FALSE is 0, TRUE is 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -148,6 +148,7 @@ fn reach(test: &ValueTest, bounds: &SignalBounds) -> (bool, bool) {
         }
         ValueTest::HighZ => (bounds.line, false),
         ValueTest::OneOf(wanted) => {
+            let whole = |number: &Number| Some(number.floor()).filter(|floor| *floor == number.ceil());
             let mut met: Vec<i128> = wanted.iter().filter_map(whole).collect();
             met.retain(|number| (bounds.least..=bounds.most).contains(number));
             met.sort_unstable();
@@ -156,33 +157,10 @@ fn reach(test: &ValueTest, bounds: &SignalBounds) -> (bool, bool) {
             (!met.is_empty(), !bounds.line && i128::try_from(met.len()).is_ok_and(|met| met == count))
         }
         ValueTest::Range { min, max } => {
-            let least = min.map_or(bounds.least, |min| up(min).max(bounds.least));
-            let most = max.map_or(bounds.most, |max| down(max).min(bounds.most));
+            let least = min.map_or(bounds.least, |min| min.ceil().max(bounds.least));
+            let most = max.map_or(bounds.most, |max| max.floor().min(bounds.most));
             (least <= most, !bounds.line && (least, most) == (bounds.least, bounds.most))
         }
-    }
-}
-
-fn whole(number: &Number) -> Option<i128> {
-    match number {
-        Number::Int(number) => Some(*number),
-        Number::Real(real) => (real.fract() == 0.0).then_some(*real as i128),
-    }
-}
-
-/// The least whole number that is not below.
-fn up(number: Number) -> i128 {
-    match number {
-        Number::Int(number) => number,
-        Number::Real(real) => real as i128 + i128::from((real as i128 as f64) < real),
-    }
-}
-
-/// The greatest whole number that is not above.
-fn down(number: Number) -> i128 {
-    match number {
-        Number::Int(number) => number,
-        Number::Real(real) => real as i128 - i128::from((real as i128 as f64) > real),
     }
 }
 
@@ -191,9 +169,7 @@ fn is_too_narrow(test: &ValueTest, slack: f64) -> bool {
     slack > 0.0
         && match test {
             ValueTest::OneOf(_) => true,
-            ValueTest::Range { min: Some(min), max: Some(max) } => {
-                max.as_real() - min.as_real() < 2.0 * slack
-            }
+            ValueTest::Range { min: Some(min), max: Some(max) } => distance(*min, *max) < 2.0 * slack,
             ValueTest::Range { .. } | ValueTest::HighZ | ValueTest::Not(_) => false,
         }
 }

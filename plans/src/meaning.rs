@@ -14,13 +14,13 @@ pub fn value_of(literal: &Literal, info: &SignalInfo) -> Result<Value, String> {
         return Ok(Value::HighZ);
     }
     Ok(match number(literal, info)? {
-        Number::Real(real) => Value::Real(real),
         Number::Int(number) => match i64::try_from(number) {
             Ok(number) => Value::Int(number),
             Err(_) => {
                 Value::Word(u64::try_from(number).map_err(|_| String::from("the number has over 64 bits"))?)
             }
         },
+        real => Value::Real(real.as_real()),
     })
 }
 
@@ -126,11 +126,7 @@ pub(crate) fn exact(literal: &Literal, info: &SignalInfo) -> Result<Decimal, Str
     if let Some(quantity) = literal.quantity() {
         return in_unit_of(&quantity, info);
     }
-    let exact = match number(literal, info)? {
-        Number::Int(whole) => Some(Decimal::from(whole)),
-        Number::Real(real) => Decimal::from_f64(real),
-    };
-    exact.ok_or_else(|| format!("`{literal}` is no finite number"))
+    number(literal, info)?.as_decimal().ok_or_else(|| format!("`{literal}` is no finite number"))
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use signal::Value;
 
-use crate::monitor::{Number, Truth, ValueTest};
+use crate::monitor::{Number, Truth, ValueTest, distance};
 
 /// Whether the condition holds at the moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -80,8 +80,9 @@ impl AlarmRule {
     /// How far off its limit a value keeps, negative beyond it; `None` where there is no limit.
     pub(super) fn margin(&self, value: Value) -> Option<f64> {
         let RuleKind::Limit { above, on, .. } = &self.kind else { return None };
-        let (number, on) = (Number::of(value)?.as_real(), on.as_real());
-        Some(if *above { on - number } else { number - on } - self.slack - value.uncertainty())
+        let number = Number::of(value)?;
+        let away = if *above { distance(number, *on) } else { distance(*on, number) };
+        Some(away - self.slack - value.uncertainty())
     }
 }
 

@@ -18,6 +18,8 @@ mod hull;
 mod instants;
 pub mod jitter;
 pub mod levels;
+mod limits;
+mod number;
 mod pulse_filter;
 pub mod pulses;
 pub mod reading;
@@ -34,12 +36,15 @@ pub(crate) use anchors::Anchors;
 pub use finding::Finding;
 pub(crate) use finding::{clipped, span_margin};
 pub use instants::{TimedValue, UncertainInstant, UncertainWindow};
+pub use limits::NumberLimits;
+pub(crate) use limits::{Extent, widened};
+pub use number::Number;
+pub(crate) use number::{differs_at_most, distance};
 pub(crate) use pulse_filter::PulseFilter;
 pub use timeline::{CaseTimeline, NotJudged, TraceSignals};
 pub(crate) use timeline::{EventOrder, lag};
 pub use unseen::{PulseRule, UnseenPulses};
-pub(crate) use value_test::differs_at_most;
-pub use value_test::{Number, Truth, ValueTest, slack};
+pub use value_test::{Truth, ValueTest, slack};
 
 /// Follows the signals of one claim and comes to a finding.
 pub trait Monitor {

@@ -2,7 +2,10 @@
 
 use std::cmp::Ordering;
 
-use signal::{Decimal, Policy, SignalInfo, Value, ValueKind};
+use signal::{Policy, SignalInfo, Value, ValueKind};
+
+use super::number::differs_at_most;
+use super::{Number, NumberLimits};
 
 /// The answer to a condition on a value that may not be known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,89 +37,6 @@ impl Truth {
     /// Whether it may hold.
     pub const fn possible(self) -> bool {
         !matches!(self, Truth::False)
-    }
-}
-
-/// A number of a condition: exact where it can be.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Number {
-    /// A whole number.
-    Int(i128),
-    /// Any other, finite.
-    Real(f64),
-}
-
-impl Number {
-    /// The number as a real one.
-    pub fn as_real(self) -> f64 {
-        match self {
-            Number::Int(n) => n as f64,
-            Number::Real(r) => r,
-        }
-    }
-
-    pub(crate) fn of(value: Value) -> Option<Number> {
-        match value {
-            Value::Real(real) | Value::Measured(real, _) => Some(Number::Real(real)),
-            other => other.as_int().map(Number::Int),
-        }
-    }
-
-    /// The number as a decimal one: of a float, the shortest that is read as it. `None` for infinities and NaN.
-    fn as_decimal(self) -> Option<Decimal> {
-        match self {
-            Number::Int(n) => Some(Decimal::from(n)),
-            Number::Real(r) => Decimal::from_f64(r),
-        }
-    }
-
-    /// Least and greatest float that the number may be: one, where it is exactly that.
-    pub(crate) fn reals(self) -> (f64, f64) {
-        match self {
-            Number::Int(n) => {
-                let near = n as f64;
-                if near as i128 == n { (near, near) } else { (near.next_down(), near.next_up()) }
-            }
-            Number::Real(r) => (r, r),
-        }
-    }
-
-    /// `None` only for a NaN.
-    fn compare(self, other: Number) -> Option<Ordering> {
-        match (self, other) {
-            (Number::Int(a), Number::Int(b)) => Some(a.cmp(&b)),
-            (a, b) => match a.as_real().partial_cmp(&b.as_real()) {
-                // Large whole numbers are floats only nearly.
-                Some(Ordering::Equal) => a.as_decimal().zip(b.as_decimal()).map(|(a, b)| a.cmp(&b)),
-                order => order,
-            },
-        }
-    }
-}
-
-/// Whether `high` less `low`, and `off` more, is at most `limit`. Floats are met as the decimal numbers that they were written
-/// as: 1 less 0.7 is 0.3.
-pub(crate) fn differs_at_most(low: Number, high: Number, off: f64, limit: Number) -> bool {
-    let (reached, most) = (distance(low, high) + off, limit.as_real());
-    let scale = low.as_real().abs() + high.as_real().abs() + off.abs() + most.abs();
-    // What a float cannot be off by.
-    if (reached - most).abs() > scale * 1e-9 || !scale.is_finite() {
-        return reached <= most;
-    }
-    let exact = || {
-        let difference = high.as_decimal()?.minus(low.as_decimal()?)?;
-        Some(difference.plus(Decimal::from_f64(off)?)? <= limit.as_decimal()?)
-    };
-    exact().unwrap_or(reached <= most)
-}
-
-impl From<Decimal> for Number {
-    /// A whole number of up to 64 bits exactly, with a sign or without, else the nearest float.
-    fn from(number: Decimal) -> Number {
-        match number.as_whole() {
-            Some(whole) if i64::try_from(whole).is_ok() || u64::try_from(whole).is_ok() => Number::Int(whole),
-            _ => Number::Real(number.as_f64()),
-        }
     }
 }
 
@@ -190,7 +110,7 @@ impl ValueTest {
                         (false, false) => Truth::False,
                     }
                 }
-                Some(number) => Truth::of(within(number, *min, *max)),
+                Some(number) => NumberLimits { min: *min, max: *max }.allow(number),
             },
         }
     }
@@ -205,26 +125,8 @@ impl ValueTest {
     pub fn margin(&self, value: Value) -> Option<f64> {
         let ValueTest::Range { min, max } = self else { return None };
         let number = Number::of(value)?;
-        let below = max.map(|max| distance(number, max));
-        let above = min.map(|min| distance(min, number));
-        let margin = match (below, above) {
-            (Some(below), Some(above)) => Some(below.min(above)),
-            (one, other) => one.or(other),
-        };
+        let margin = NumberLimits { min: *min, max: *max }.margin((number, number));
         margin.map(|margin| margin - value.uncertainty())
-    }
-}
-
-fn within(number: Number, min: Option<Number>, max: Option<Number>) -> bool {
-    min.is_none_or(|min| matches!(number.compare(min), Some(Ordering::Greater | Ordering::Equal)))
-        && max.is_none_or(|max| matches!(number.compare(max), Some(Ordering::Less | Ordering::Equal)))
-}
-
-/// From `low` up to `high`.
-fn distance(low: Number, high: Number) -> f64 {
-    match (low, high) {
-        (Number::Int(low), Number::Int(high)) => high.saturating_sub(low) as f64,
-        (low, high) => high.as_real() - low.as_real(),
     }
 }
 
@@ -309,18 +211,10 @@ mod tests {
         let test = ValueTest::OneOf(vec![Number::Int(i128::from(u64::MAX))]);
         assert_eq!(test.holds(Value::Word(u64::MAX), 0.0), Truth::True);
         assert_eq!(test.holds(Value::Word(u64::MAX - 1), 0.0), Truth::False);
-        let written = Decimal::from(i128::from(u64::MAX));
-        assert_eq!(Number::from(written), Number::Int(i128::from(u64::MAX)));
-        assert_eq!(Number::Int((1 << 60) + 1).reals().0, (1_u64 << 60) as f64 - 128.0);
     }
 
     #[test]
-    fn decimals_are_met_as_they_are_written() {
-        let at_most = |low, high, limit| {
-            differs_at_most(Number::Real(low), Number::Real(high), 0.0, Number::Real(limit))
-        };
-        assert!(at_most(0.7, 1.0, 0.3) && at_most(0.1, 0.3, 0.2));
-        assert!(!at_most(0.7, 1.000_000_000_1, 0.3) && !at_most(0.0, f64::NAN, 1.0));
+    fn a_deadband_is_added_as_a_decimal() {
         let test = ValueTest::Range { min: None, max: Some(Number::Real(0.3)) };
         assert_eq!(test.holds(Value::Real(0.1), 0.2), Truth::True);
     }
