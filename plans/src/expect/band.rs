@@ -9,7 +9,7 @@ use super::ReadContext;
 use super::condition::ValueCondition;
 use crate::codes;
 use crate::lang::Literal;
-use crate::monitor::{Number, ValueTest};
+use crate::monitor::{Extent, Number, NumberLimits, ValueTest, distance};
 
 /// The limits of a figure as a range.
 pub(super) const IS_RANGE: KeySpec = KeySpec::optional(
@@ -21,13 +21,19 @@ pub(super) const IS_RANGE: KeySpec = KeySpec::optional(
 /// Least and greatest figure allowed, both included.
 #[derive(Clone, Debug)]
 pub(super) struct FigureBand {
-    pub(super) min: f64,
-    pub(super) max: f64,
+    pub(super) limits: NumberLimits,
     pub(super) unit: &'static str,
     /// What no figure of this kind is below or above: a limit there is none.
-    natural: (f64, f64),
+    natural: NumberLimits,
     words: ValueCondition,
 }
+
+/// What a time, a frequency or a jitter is never below, as a number of events.
+pub(crate) const NEVER_NEGATIVE: NumberLimits = NumberLimits { min: Some(Number::ZERO), max: None };
+
+/// What a part of the time is never below or above, in per cent.
+pub(crate) const WHOLE_PART: NumberLimits =
+    NumberLimits { min: Some(Number::ZERO), max: Some(Number::Int(100)) };
 
 impl fmt::Display for FigureBand {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -73,50 +79,60 @@ impl FigureBand {
                 return None;
             }
         };
-        let (min, max) = match test {
+        let limits = match test {
             ValueTest::OneOf(list) => {
-                let only = list.first().copied().map(Number::as_real)?;
-                (only, only)
+                let only = list.first().copied();
+                NumberLimits { min: only, max: only }
             }
-            ValueTest::Range { min, max } => {
-                (min.map_or(f64::NEG_INFINITY, Number::as_real), max.map_or(f64::INFINITY, Number::as_real))
-            }
+            ValueTest::Range { min, max } => NumberLimits { min, max },
             ValueTest::HighZ | ValueTest::Not(_) => return None,
         };
-        let natural = (f64::NEG_INFINITY, f64::INFINITY);
-        Some(FigureBand { min, max, unit, natural, words })
+        Some(FigureBand { limits, unit, natural: NumberLimits::default(), words })
     }
 
-    /// The same for a figure that is never below the first or above the second of these.
-    pub(super) fn of_kind(self, natural: (f64, f64)) -> FigureBand {
+    /// The same for a figure that is never outside of these.
+    pub(super) fn of_kind(self, natural: NumberLimits) -> FigureBand {
         FigureBand { natural, ..self }
     }
 
-    /// Whether a figure of this interval can be inside, and whether it can be outside.
-    pub(super) fn hold(&self, (low, high): (f64, f64)) -> (bool, bool) {
-        (low <= self.max && high >= self.min, !(low >= self.min && high <= self.max))
+    /// Whether a figure of this extent can be inside, and whether it can be outside.
+    pub(super) fn hold(&self, extent: Extent) -> (bool, bool) {
+        self.limits.hold(extent)
     }
 
     /// Distance to the nearest limit in the worst case, negative outside; `None` where there is no limit, or the distance is not
     /// known.
-    pub(super) fn margin(&self, (low, high): (f64, f64)) -> Option<f64> {
-        let above = (self.min > self.natural.0).then_some(low - self.min);
-        let below = (self.max < self.natural.1).then_some(self.max - high);
-        above.into_iter().chain(below).reduce(f64::min).filter(|margin| margin.is_finite())
+    pub(super) fn margin(&self, extent: Extent) -> Option<f64> {
+        self.limits.passable(self.natural).margin(extent)
+    }
+
+    /// How far outside a figure is that is nowhere inside, and whether it is above.
+    pub(super) fn beyond(&self, (low, high): Extent) -> (record::Figure, bool) {
+        let above = self.limits.max.filter(|max| low.is_above(*max)).map(|max| distance(max, low));
+        let below = || self.limits.min.map_or(0.0, |min| distance(high, min));
+        (record::Figure::new(above.unwrap_or_else(below), self.unit), above.is_some())
     }
 
     /// What is wrong with a figure that is nowhere inside.
-    pub(super) fn miss(&self, (low, high): (f64, f64)) -> String {
-        let (apart, word) = match low > self.max {
-            true => (low - self.max, "too high"),
-            false => (self.min - high, "too low"),
-        };
-        format!("{} {word}", record::Figure::new(apart, self.unit))
+    pub(super) fn miss(&self, extent: Extent) -> String {
+        let (apart, above) = self.beyond(extent);
+        format!("{apart} {}", if above { "too high" } else { "too low" })
     }
 }
 
-/// An interval with its unit: `49.9 Hz .. 50.1 Hz`, or one figure.
-pub(super) fn shown((low, high): (f64, f64), unit: &str) -> String {
-    let figure = |value: f64| record::Figure::new(value, unit).to_string();
-    if low == high { figure(low) } else { format!("{} .. {}", figure(low), figure(high)) }
+/// An extent with its unit: `49.9 Hz .. 50.1 Hz`, or one figure.
+pub(super) fn shown((low, high): Extent, unit: &str) -> String {
+    let figure = |number: Number| match number {
+        // No digit of a whole number is left out.
+        Number::Int(whole) if unit.is_empty() => whole.to_string(),
+        number => record::Figure::new(number.as_real(), unit).to_string(),
+    };
+    let (first, last) = (figure(low), figure(high));
+    if first == last { first } else { format!("{first} .. {last}") }
+}
+
+/// How far an extent reaches, if it is no point.
+pub(super) fn spread((low, high): Extent, unit: &str) -> Option<record::Figure> {
+    let spread = distance(low, high);
+    (low.is_below(high) && spread.is_finite()).then(|| record::Figure::new(spread, unit))
 }

@@ -20,7 +20,7 @@ use crate::meaning::number;
 use crate::monitor::reading::{Candidate, ValueReader};
 use crate::monitor::{
     CaseTimeline, Finding, Monitor, NotJudged, Number, PulseRule, TimedValue, TraceSignals, Truth,
-    UncertainInstant, differs_at_most, slack,
+    UncertainInstant, differs_at_most, distance, slack,
 };
 
 /// `equal`.
@@ -85,12 +85,12 @@ impl EqualClaim {
     fn limit(&self, info: &SignalInfo) -> Result<Number, String> {
         match &self.tolerance {
             Some(tolerance) => match number(tolerance, info)? {
-                negative if negative.as_real() < 0.0 => {
+                negative if negative.is_below(Number::ZERO) => {
                     Err(format!("a tolerance of {} can never be met", tolerance))
                 }
                 limit => Ok(limit),
             },
-            None => Ok(Number::Int(0)),
+            None => Ok(Number::ZERO),
         }
     }
 }
@@ -183,7 +183,7 @@ impl Monitor for EqualMonitor {
                 (Some(x), Some(y)) => {
                     let known = a.uncertainty() + b.uncertainty();
                     let (apart, truth) = close(x, y, self.limit, slack + known);
-                    least = least.min(self.limit.as_real() - apart - known);
+                    least = least.min(distance(apart, self.limit) - known);
                     truth
                 }
                 _ if matches!(a, Value::Unknown) || matches!(b, Value::Unknown) => Truth::Unknown,
@@ -222,16 +222,18 @@ fn together(left: &Candidate, right: &Candidate, link: Option<i64>) -> bool {
 }
 
 /// How far apart two numbers are, and whether that is within the limit.
-pub(super) fn close(a: Number, b: Number, limit: Number, slack: f64) -> (f64, Truth) {
+pub(super) fn close(a: Number, b: Number, limit: Number, slack: f64) -> (Number, Truth) {
     let within = |off: f64| differs_at_most(a, b, off, limit) && differs_at_most(b, a, off, limit);
     let truth = match (within(slack), slack > 0.0 && within(-slack)) {
         (true, _) => Truth::True,
         (false, true) => Truth::Unknown,
         (false, false) => Truth::False,
     };
-    let apart = match (a, b) {
-        (Number::Int(a), Number::Int(b)) => a.abs_diff(b) as f64,
-        (a, b) => (a.as_real() - b.as_real()).abs(),
+    let exact = |rough: f64| (rough - limit.as_real()).abs() <= (rough + limit.as_real()) * 1e-9;
+    let apart = match (a, b, distance(a, b).abs()) {
+        // Of decimals that are far from the limit nobody asks for the last digit.
+        (Number::Real(_), Number::Real(_), rough) if !exact(rough) => Number::Real(rough),
+        _ => a.apart(b),
     };
     (apart, truth)
 }

@@ -23,7 +23,7 @@ use crate::lang::{Anchor, Literal};
 use crate::meaning::number;
 use crate::monitor::{
     CaseTimeline, Finding, Monitor, NotJudged, Number, PulseRule, TimedValue, TraceSignals, Truth,
-    UncertainWindow, slack,
+    UncertainWindow, distance, slack,
 };
 
 /// `follows`.
@@ -78,9 +78,9 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceCl
 
 impl Follows {
     fn limit(&self, info: &SignalInfo) -> Result<Number, String> {
-        let Some(tolerance) = &self.tolerance else { return Ok(Number::Int(0)) };
+        let Some(tolerance) = &self.tolerance else { return Ok(Number::ZERO) };
         match number(tolerance, info)? {
-            negative if negative.as_real() < 0.0 => {
+            negative if negative.is_below(Number::ZERO) => {
                 Err(format!("a tolerance of {tolerance} can never be met"))
             }
             limit => Ok(limit),
@@ -195,16 +195,16 @@ struct FollowsMonitor {
     end: i64,
     within: Option<Span>,
     /// How far apart they are since the last change, whether that is close enough, and its earliest instant.
-    last: Option<(Option<f64>, Truth, i64)>,
+    last: Option<(Option<Number>, Truth, i64)>,
     /// The greatest distance that can lie in the window.
-    greatest: Option<f64>,
+    greatest: Option<Number>,
     /// The longest time at a stretch, nanoseconds, that they can be too far apart in the window.
     longest: i64,
 }
 
 impl FollowsMonitor {
     /// Whether two values are close enough, and how far apart.
-    fn close(&self, pair: [Value; 2]) -> (Truth, Option<f64>) {
+    fn close(&self, pair: [Value; 2]) -> (Truth, Option<Number>) {
         if pair.iter().any(|value| matches!(value, Value::Unknown)) {
             return (Truth::Unknown, None);
         }
@@ -212,7 +212,8 @@ impl FollowsMonitor {
             (Some(a), Some(b)) => {
                 let known = pair[0].uncertainty() + pair[1].uncertainty();
                 let (apart, truth) = super::equal::close(a, b, self.limit, self.slack + known);
-                (truth, Some(apart + known))
+                let known = if known > 0.0 { apart.plus(Number::Real(known)) } else { apart };
+                (truth, Some(known))
             }
             _ => (Truth::of(pair[0] == pair[1]), None),
         }
@@ -249,9 +250,9 @@ impl FollowsMonitor {
         // One change is as exact as it is; several at one instant leave no time in between.
         if count > 1 && start < latest {
             let pairs = values[0].iter().flat_map(|a| values[1].iter().map(move |b| [*a, *b]));
-            let all: Vec<(Truth, Option<f64>)> = pairs.map(|pair| self.close(pair)).collect();
+            let all: Vec<(Truth, Option<Number>)> = pairs.map(|pair| self.close(pair)).collect();
             if all.iter().any(|(truth, _)| *truth != Truth::True) {
-                let apart = all.iter().filter_map(|(_, apart)| *apart).reduce(f64::max);
+                let apart = all.iter().filter_map(|(_, apart)| *apart).reduce(Number::most);
                 self.add((Truth::Unknown, apart), &TimedValue { a: start, b: start, ..last });
             }
         }
@@ -261,7 +262,7 @@ impl FollowsMonitor {
     }
 
     /// Hands on how close they are from here on.
-    fn add(&mut self, (close, apart): (Truth, Option<f64>), at: &TimedValue) {
+    fn add(&mut self, (close, apart): (Truth, Option<Number>), at: &TimedValue) {
         self.until(at.b);
         let value = match close {
             Truth::True => Value::Int(0),
@@ -280,7 +281,7 @@ impl FollowsMonitor {
             return;
         }
         if let Some(apart) = apart {
-            self.greatest = Some(self.greatest.map_or(apart, |old| old.max(apart)));
+            self.greatest = Some(self.greatest.map_or(apart, |old| old.most(apart)));
         }
         if close != Truth::True {
             let end = end.min(self.window.until.b);
@@ -308,7 +309,7 @@ impl Monitor for FollowsMonitor {
         // The words are of a signal that the plan does not have.
         finding.reason = finding.reason.replacen("it was", "they were", 1);
         if let (false, Some(apart)) = (finding.can_break, greatest) {
-            let apart = Figure::new(apart, unit.clone());
+            let apart = super::band::shown((apart, apart), &unit);
             finding.observed = match within {
                 Some(_) if longest > 0 => {
                     format!("at most {apart} apart, too far for at most {}", Span::from_nanos(longest))
@@ -318,7 +319,7 @@ impl Monitor for FollowsMonitor {
         }
         finding.margin = match within {
             Some(within) => Some(Figure::span(Span::from_nanos(within.as_nanos().saturating_sub(longest)))),
-            None => greatest.map(|apart| Figure::new(limit.as_real() - apart - slack, unit)),
+            None => greatest.map(|apart| Figure::new(distance(apart, limit) - slack, unit)),
         };
         finding
     }

@@ -13,7 +13,7 @@ use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
 use signal::{SignalInfo, Span};
 
-use super::band::{FigureBand, IS_RANGE, shown};
+use super::band::{FigureBand, IS_RANGE, NEVER_NEGATIVE, shown, spread};
 use super::common::{FROM, LONGER, PlanWindow, SIGNAL, UNTIL, count_range, delay_words, signal};
 use super::condition::{MAX, MIN};
 use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
@@ -22,7 +22,8 @@ use crate::lang::{Anchor, millihertz};
 use crate::monitor::edges::CountedEdge;
 use crate::monitor::jitter::{Grid, Jitter, JitterQuery, JitterReference, JitterResult};
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, UncertainWindow, slack,
+    CaseTimeline, Finding, Monitor, NotJudged, Number, NumberLimits, PulseRule, TimedValue, TraceSignals,
+    UncertainWindow, slack,
 };
 
 /// What is compared.
@@ -81,8 +82,10 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceCl
     let signal = signal(fields, "signal", cx);
     let between = PlanWindow::read(fields, cx);
     let asked = asked(fields, cx);
-    let band = FigureBand::read(fields, "jitter", "ns", cx)?.of_kind((0.0, f64::INFINITY));
-    if band.max < 0.0 || band.min <= 0.0 && band.max == f64::INFINITY {
+    let band = FigureBand::read(fields, "jitter", "ns", cx)?.of_kind(NEVER_NEGATIVE);
+    let NumberLimits { min, max } = band.limits;
+    let nothing_is_it = max.is_some_and(|max| max.is_below(Number::ZERO));
+    if nothing_is_it || max.is_none() && min.is_none_or(|min| !min.is_above(Number::ZERO)) {
         let message = "a jitter is never below 0";
         cx.out.error(
             codes::CLAIM,
@@ -240,14 +243,14 @@ fn finding(
         };
         return finding;
     };
+    let extent = (Number::Real(extent.0), Number::Real(extent.1));
     let (can_hold, can_break) = claim.band.hold(extent);
     finding.can_hold |= can_hold;
     finding.can_break |= can_break;
     let edges = count_range(found.edges);
     finding.observed = format!("{} over {edges} edges", shown(extent, claim.band.unit));
     finding.margin = claim.band.margin(extent).map(|margin| Figure::new(margin, claim.band.unit));
-    let spread = extent.1 - extent.0;
-    finding.uncertainty = (spread > 0.0 && spread.is_finite()).then(|| Figure::new(spread, claim.band.unit));
+    finding.uncertainty = spread(extent, claim.band.unit);
     finding.reason = if finding.can_hold { unclear() } else { claim.band.miss(extent) };
     let Some((late, early)) = found.farthest else { return finding };
     if !finding.can_hold {

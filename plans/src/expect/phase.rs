@@ -14,7 +14,7 @@ use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
 use signal::{SignalInfo, Span};
 
-use super::band::{FigureBand, IS_RANGE, shown};
+use super::band::{FigureBand, IS_RANGE, shown, spread};
 use super::common::{FROM, LONGER, PlanWindow, UNTIL, delay_words, signal};
 use super::condition::{MAX, MIN};
 use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
@@ -22,7 +22,8 @@ use crate::codes;
 use crate::lang::Anchor;
 use crate::monitor::edges::{CountedEdge, EdgeFinder, LAST};
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, UncertainWindow, slack,
+    CaseTimeline, Extent, Finding, Monitor, NotJudged, Number, PulseRule, TimedValue, TraceSignals,
+    UncertainWindow, distance, slack, widened,
 };
 
 /// `phase`.
@@ -72,7 +73,10 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceCl
         cx.out.bad(codes::CLAIM, node, format!("`{of}` is compared with itself"), "name another signal");
         return None;
     }
-    if !(band.min >= -360.0 && band.max <= 360.0) || band.max - band.min >= 360.0 {
+    let less_than_a_turn = band.limits.min.zip(band.limits.max).is_some_and(|(min, max)| {
+        !min.is_below(Number::Int(-360)) && !max.is_above(Number::Int(360)) && distance(min, max) < 360.0
+    });
+    if !less_than_a_turn {
         let node = ["is", "min", "max"].into_iter().find_map(|key| fields.get(key))?;
         let message =
             "an angle of a cycle lies between -360 deg and 360 deg, and less than a turn is allowed";
@@ -153,9 +157,9 @@ struct PhaseResult {
     open: bool,
     doubtful: bool,
     /// Least and greatest angle.
-    extent: Option<(f64, f64)>,
+    extent: Option<Extent>,
     /// The cycle farthest outside, or nearest to a limit.
-    deciding: Option<(f64, (f64, f64), TimedValue)>,
+    deciding: Option<(f64, Extent, TimedValue)>,
     /// The beginning of a cycle in which nothing came.
     empty: Option<TimedValue>,
 }
@@ -182,7 +186,9 @@ struct PhaseTurn {
 impl PhaseTurn {
     fn of(start: &TimedValue, end: &TimedValue, band: &FigureBand) -> PhaseTurn {
         let length = (end.a.saturating_sub(start.b).max(1), end.b.saturating_sub(start.a).max(1));
-        let shift = (band.min + band.max) / 720.0 - 0.5;
+        // Both limits are there: the reader wants them.
+        let end = |limit: Option<Number>| limit.map_or(0.0, Number::as_real);
+        let shift = (end(band.limits.min) + end(band.limits.max)) / 720.0 - 0.5;
         let shifts = [shift * length.0 as f64, shift * length.1 as f64];
         // Whole nanoseconds, to the safe side.
         let least = libm::floor(shifts[0].min(shifts[1])) as i64;
@@ -233,12 +239,12 @@ impl PhaseMonitor {
                 continue;
             }
             some = true;
-            let extent = turn.angle(start, edge);
+            let angle = turn.angle(start, edge);
+            let extent = (Number::Real(angle.0), Number::Real(angle.1));
             let (holds, breaks) = self.claim.band.hold(extent);
             can_hold |= holds;
             can_break |= breaks;
-            let all = self.answer.extent;
-            self.answer.extent = Some(all.map_or(extent, |old| (old.0.min(extent.0), old.1.max(extent.1))));
+            self.answer.extent = Some(widened(self.answer.extent, extent));
             let margin = self.claim.band.margin(extent).unwrap_or(f64::INFINITY);
             if self.answer.deciding.is_none_or(|(least, ..)| margin < least) {
                 self.answer.deciding = Some((margin, extent, *edge));
@@ -324,8 +330,7 @@ impl Monitor for PhaseMonitor {
         };
         if let Some((margin, extent, seen)) = answer.deciding.filter(|_| answer.empty.is_none()) {
             finding.margin = Some(Figure::new(margin, "deg"));
-            let spread = extent.1 - extent.0;
-            finding.uncertainty = (spread > 0.0).then(|| Figure::new(spread, "deg"));
+            finding.uncertainty = spread(extent, "deg");
             finding = finding.decided_by(&seen);
         }
         finding

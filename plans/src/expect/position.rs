@@ -12,7 +12,7 @@ use document::{Diagnostic, Fields};
 use record::Figure;
 use signal::SignalInfo;
 
-use super::band::{FigureBand, IS_RANGE, shown};
+use super::band::{FigureBand, IS_RANGE, shown, spread};
 use super::common::{FROM, LONGER, PlanWindow, UNTIL};
 use super::condition::{MAX, MIN};
 use super::train::{BACKWARDS, DIRECTION, INVERTED, PULSES, QUADRATURE, TrainLines};
@@ -20,7 +20,8 @@ use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::lang::Anchor;
 use crate::monitor::track::{PositionTrack, TrackStep};
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, UncertainWindow,
+    CaseTimeline, Extent, Finding, Monitor, NotJudged, Number, PulseRule, TimedValue, TraceSignals,
+    UncertainWindow,
 };
 
 /// The keys that `position` and its measurement share.
@@ -98,7 +99,7 @@ pub struct PositionCounter {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct PositionSum {
     /// Least and greatest position of all placements.
-    pub(crate) extent: (i64, i64),
+    extent: (i128, i128),
     pub(crate) doubtful: bool,
     last: Option<TimedValue>,
 }
@@ -131,6 +132,11 @@ impl PositionCounter {
 }
 
 impl PositionSum {
+    /// Least and greatest position of all placements.
+    pub(crate) fn figure(&self) -> Extent {
+        (Number::Int(self.extent.0), Number::Int(self.extent.1))
+    }
+
     fn take(&mut self, window: &UncertainWindow, step: &TrackStep) {
         let count = match step {
             TrackStep::Count(count) => count,
@@ -142,10 +148,7 @@ impl PositionSum {
         if !window.can_hold(&count.seen) {
             return;
         }
-        let by = |up: u64, down: u64| {
-            let number = |n: u64| i64::try_from(n).unwrap_or(i64::MAX);
-            number(up).saturating_sub(number(down))
-        };
+        let by = |up: u64, down: u64| i128::from(up) - i128::from(down);
         let (mut least, mut most) = (by(count.up.0, count.down.1), by(count.up.1, count.down.0));
         if !window.must_hold(&count.seen) {
             (least, most) = (least.min(0), most.max(0));
@@ -170,7 +173,7 @@ impl Monitor for PositionMonitor {
     fn finish(self: Box<Self>) -> Finding {
         let PositionMonitor { claim, counting } = *self;
         let (sum, window) = counting.finish();
-        let extent = (sum.extent.0 as f64, sum.extent.1 as f64);
+        let extent = sum.figure();
         let (can_hold, can_break) = claim.band.hold(extent);
         let open = sum.doubtful;
         let mut finding = Finding {
@@ -178,7 +181,7 @@ impl Monitor for PositionMonitor {
             can_break: open || can_break,
             observed: format!("changed by {}", shown(extent, "")),
             margin: claim.band.margin(extent).map(|margin| Figure::new(margin, "")),
-            uncertainty: (extent.0 < extent.1).then(|| Figure::new(extent.1 - extent.0, "")),
+            uncertainty: spread(extent, ""),
             window: Some(window.shown()),
             ..Finding::default()
         };
@@ -186,11 +189,8 @@ impl Monitor for PositionMonitor {
             true if sum.doubtful => String::from("a signal is not known for a part of the window"),
             true => String::from("which counts lie in the window, or their direction, is not certain"),
             false => {
-                let (apart, word) = match extent.0 > claim.band.max {
-                    true => (extent.0 - claim.band.max, "too many"),
-                    false => (claim.band.min - extent.1, "too few"),
-                };
-                format!("{} {word}", Figure::new(apart, ""))
+                let (apart, above) = claim.band.beyond(extent);
+                format!("{apart} {}", if above { "too many" } else { "too few" })
             }
         };
         match sum.last {

@@ -24,7 +24,7 @@ use crate::monitor::shape::FrequencyShape;
 use crate::monitor::shape_follower::{DecidingStretch, ShapeFollower, ShapeLimits, ShapeResult};
 use crate::monitor::track::{PositionTrack, TrackStep};
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, UncertainWindow,
+    CaseTimeline, Finding, Monitor, NotJudged, Number, PulseRule, TimedValue, TraceSignals, UncertainWindow,
 };
 
 /// How far off in time.
@@ -286,7 +286,7 @@ impl Monitor for ProfileMonitor {
 /// `12 Hz off`, `at least 12 Hz off`, `12 Hz .. 30 Hz off`.
 fn off((best, worst): (f64, f64)) -> String {
     match worst.is_finite() {
-        true => format!("{} off", super::band::shown((best, worst), "Hz")),
+        true => format!("{} off", super::band::shown((Number::Real(best), Number::Real(worst)), "Hz")),
         false => format!("at least {} off", Figure::new(best, "Hz")),
     }
 }

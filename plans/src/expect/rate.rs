@@ -14,14 +14,15 @@ use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
 use signal::{SignalInfo, Span};
 
-use super::band::{FigureBand, IS_RANGE, shown};
+use super::band::{FigureBand, IS_RANGE, NEVER_NEGATIVE, WHOLE_PART, shown, spread};
 use super::common::{FROM, LONGER, PlanWindow, SIGNAL, UNTIL, signal};
 use super::condition::{MAX, MIN};
 use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::lang::Anchor;
 use crate::monitor::cycles::{CycleResult, CycleSpan, Cycles};
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, UncertainWindow, slack,
+    CaseTimeline, Extent, Finding, Monitor, NotJudged, Number, PulseRule, TimedValue, TraceSignals,
+    UncertainWindow, slack, widened,
 };
 
 /// Which edges begin a cycle.
@@ -71,7 +72,7 @@ impl RateKind {
         }
     }
 
-    fn of(self, stretch: &CycleSpan) -> (f64, f64) {
+    fn of(self, stretch: &CycleSpan) -> Extent {
         match self {
             RateKind::Frequency => stretch.rate(),
             RateKind::Duty => stretch.duty(),
@@ -94,8 +95,8 @@ fn read(fields: &Fields<'_>, kind: RateKind, cx: &mut ReadContext<'_>) -> Option
     let signal = signal(fields, "signal", cx);
     let between = PlanWindow::read(fields, cx);
     let band = FigureBand::read(fields, kind.noun(), kind.unit(), cx)?.of_kind(match kind {
-        RateKind::Frequency => (0.0, f64::INFINITY),
-        RateKind::Duty => (0.0, 100.0),
+        RateKind::Frequency => NEVER_NEGATIVE,
+        RateKind::Duty => WHOLE_PART,
     });
     let by_falls = fields.text("edge") == Some("falls");
     let longer_than = fields.duration(LONGER.name);
@@ -124,8 +125,8 @@ impl TraceClaim for Rate {
     }
 
     fn counts(&self) -> Option<f64> {
-        let least = if self.kind == RateKind::Frequency { self.band.min } else { 0.0 };
-        Some(least.max(0.0))
+        let least = self.band.limits.min.filter(|_| self.kind == RateKind::Frequency);
+        Some(least.map_or(0.0, Number::as_real).max(0.0))
     }
 
     fn pulses(&self, _: &SignalInfo) -> PulseRule {
@@ -173,7 +174,7 @@ fn finding(claim: &Rate, info: &SignalInfo, window: &UncertainWindow, found: Cyc
         window: Some(window.shown()),
         ..Finding::default()
     };
-    let mut extent: Option<(f64, f64)> = None;
+    let mut extent: Option<Extent> = None;
     let mut cycles = (u64::MAX, 0);
     for stretch in &found.stretches {
         let figure = claim.kind.of(stretch);
@@ -181,7 +182,7 @@ fn finding(claim: &Rate, info: &SignalInfo, window: &UncertainWindow, found: Cyc
         finding.can_hold |= can_hold;
         finding.can_break |= can_break;
         cycles = (cycles.0.min(stretch.cycles), cycles.1.max(stretch.cycles));
-        extent = Some(extent.map_or(figure, |old| (old.0.min(figure.0), old.1.max(figure.1))));
+        extent = Some(widened(extent, figure));
     }
     let unclear = || match found.doubtful {
         true => format!("`{}` is not known for a part of the window", info.name),
@@ -199,8 +200,7 @@ fn finding(claim: &Rate, info: &SignalInfo, window: &UncertainWindow, found: Cyc
     let noun = if cycles.1 == 1 { "cycle" } else { "cycles" };
     finding.observed = format!("{} over {count} {noun}", shown(extent, claim.band.unit));
     finding.margin = claim.band.margin(extent).map(|margin| Figure::new(margin, claim.band.unit));
-    let spread = extent.1 - extent.0;
-    finding.uncertainty = (spread > 0.0).then(|| Figure::new(spread, claim.band.unit));
+    finding.uncertainty = spread(extent, claim.band.unit);
     finding.reason = if finding.can_hold { unclear() } else { claim.band.miss(extent) };
     match found.last {
         Some(seen) => finding.decided_by(&seen),

@@ -24,8 +24,8 @@ use crate::monitor::extremes::Extremes;
 use crate::monitor::reading::ValueReader;
 use crate::monitor::segments::{SegmentJudgement, Weight};
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, PulseFilter, PulseRule, TimedValue, TraceSignals, Truth,
-    UncertainInstant, ValueTest, slack,
+    CaseTimeline, Finding, Monitor, NotJudged, Number, PulseFilter, PulseRule, TimedValue, TraceSignals,
+    Truth, UncertainInstant, ValueTest, distance, slack, widened,
 };
 
 /// `settles`.
@@ -103,29 +103,32 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceCl
 /// How far beyond the middle a value may go, in the terms of a signal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct OvershootLimit {
-    middle: f64,
+    middle: Number,
     /// In the unit of the signal, or as a part of the step.
-    most: f64,
+    most: Number,
     part: bool,
 }
+
+/// What makes the middle of a sum of two.
+const HALF: Number = Number::Real(0.5);
 
 impl SettlesClaim {
     fn beyond(&self, test: &ValueTest, info: &SignalInfo) -> Result<Option<OvershootLimit>, String> {
         let Some(most) = &self.overshoot else { return Ok(None) };
         let middle = match test {
-            ValueTest::Range { min: Some(min), max: Some(max) } => (min.as_real() + max.as_real()) / 2.0,
-            ValueTest::OneOf(list) if list.len() == 1 => list[0].as_real(),
+            ValueTest::Range { min: Some(min), max: Some(max) } => min.plus(*max).times(HALF),
+            ValueTest::OneOf(list) if list.len() == 1 => list[0],
             _ => return Err(String::from("an overshoot counts from the middle of a band of numbers")),
         };
         let part = most.quantity().filter(|quantity| quantity.is_part() && info.unit != "%");
         let (most, part) = match part {
             Some(part) => {
                 let percent = part.in_unit(&signal::Unit::new("%"));
-                (percent.ok_or_else(|| format!("`{most}` is no part"))?.as_f64() / 100.0, true)
+                (percent.ok_or_else(|| format!("`{most}` is no part"))?.shifted(-2).into(), true)
             }
-            None => (number(most, info)?.as_real(), false),
+            None => (number(most, info)?, false),
         };
-        if most < 0.0 {
+        if most.is_below(Number::ZERO) {
             return Err(String::from("an overshoot below 0 can never be met"));
         }
         Ok(Some(OvershootLimit { middle, most, part }))
@@ -348,7 +351,7 @@ impl SettlesMonitor {
     fn overshoot(&self) -> Option<Overshoot> {
         let beyond = self.beyond?;
         let unit = &self.info.unit;
-        let slack = slack(&self.info);
+        let slack = Number::Real(slack(&self.info));
         let mut over = Overshoot {
             can_hold: false,
             can_break: false,
@@ -358,36 +361,40 @@ impl SettlesMonitor {
             peak: None,
         };
         let extremes = self.extremes.clone().finish();
-        let mut extent: Option<(f64, f64)> = None;
+        let mut extent = None;
         let mut worst: Option<f64> = None;
         for first in self.reader.clone().finish() {
-            let begun = first.seen.value.as_real().filter(|value| value.is_finite());
-            let step = begun.map(|begun| beyond.middle - begun);
+            let begun = Number::of(first.seen.value).filter(|value| value.as_real().is_finite());
             // Without a step nothing says which way is beyond.
-            let known = first.seen.value.uncertainty();
-            let clear = step.filter(|step| *step != 0.0 && step.abs() > known);
-            let Some((step, extremes)) = clear.zip(extremes.as_ref()) else {
+            let known = Number::Real(first.seen.value.uncertainty());
+            let clear = begun.filter(|begun| begun.apart(beyond.middle).is_above(known));
+            let Some((begun, extremes)) = clear.zip(extremes.as_ref()) else {
                 over.can_hold = true;
                 over.can_break = true;
                 continue;
             };
-            let (low, high) = (step.abs() - known, step.abs() + known);
-            over.peak = Some(if step > 0.0 { extremes.at.1 } else { extremes.at.0 });
-            let (certain, possible) = match step > 0.0 {
-                true => (extremes.most.0 - beyond.middle, extremes.most.1 - beyond.middle),
-                false => (beyond.middle - extremes.least.1, beyond.middle - extremes.least.0),
+            let (step, upwards) = (begun.apart(beyond.middle), begun.is_below(beyond.middle));
+            let (low, high) = (step.minus(known), step.plus(known));
+            over.peak = Some(if upwards { extremes.at.1 } else { extremes.at.0 });
+            let (certain, possible) = match upwards {
+                true => (extremes.most.0.minus(beyond.middle), extremes.most.1.minus(beyond.middle)),
+                false => (beyond.middle.minus(extremes.least.1), beyond.middle.minus(extremes.least.0)),
             };
-            let (least, most) = ((certain - slack).max(0.0), (possible + slack).max(0.0));
-            let allowed = |step: f64| if beyond.part { beyond.most * step } else { beyond.most };
-            over.can_hold |= least <= allowed(high) || extremes.unknown;
-            over.can_break |= most > allowed(low) || extremes.unknown;
-            let margin = allowed(low) - most;
+            let (least, most) =
+                (certain.minus(slack).most(Number::ZERO), possible.plus(slack).most(Number::ZERO));
+            let allowed = |step: Number| if beyond.part { step.times(beyond.most) } else { beyond.most };
+            over.can_hold |= !least.is_above(allowed(high)) || extremes.unknown;
+            over.can_break |= most.is_above(allowed(low)) || extremes.unknown;
+            let margin = distance(most, allowed(low));
             worst = Some(worst.map_or(margin, |old| old.min(margin)));
             let figure = match beyond.part {
-                true => (least * 100.0 / high, most * 100.0 / low),
+                true => {
+                    let part = |of: Number, step: Number| Number::Real(of.as_real() * 100.0 / step.as_real());
+                    (part(least, high), part(most, low))
+                }
                 false => (least, most),
             };
-            extent = Some(extent.map_or(figure, |old| (old.0.min(figure.0), old.1.max(figure.1))));
+            extent = Some(widened(extent, figure));
         }
         let unit_of_figure = if beyond.part { "%" } else { unit.as_str() };
         over.margin = worst.map(|worst| Figure::new(worst, unit.clone()));

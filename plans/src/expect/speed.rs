@@ -14,7 +14,7 @@ use document::{Diagnostic, Fields};
 use record::Figure;
 use signal::{SignalInfo, ValueKind};
 
-use super::band::{FigureBand, IS_RANGE, shown};
+use super::band::{FigureBand, IS_RANGE, shown, spread};
 use super::common::{FROM, PlanWindow, SIGNAL, UNTIL, signal};
 use super::condition::{MAX, MIN};
 use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
@@ -122,14 +122,9 @@ impl Monitor for SpeedMonitor {
         };
         let band = &claim.band;
         (finding.can_hold, finding.can_break) = band.hold(found.speed);
-        let counts = match found.change {
-            (low, high) if low == high => format!("{low}"),
-            (low, high) => format!("{low} .. {high}"),
-        };
-        finding.observed = format!("{}, {counts} in all", shown(found.speed, UNIT));
+        finding.observed = format!("{}, {} in all", shown(found.speed, UNIT), shown(found.change, ""));
         finding.margin = band.margin(found.speed).map(|margin| Figure::new(margin, UNIT));
-        let spread = found.speed.1 - found.speed.0;
-        finding.uncertainty = (spread > 0.0).then(|| Figure::new(spread, UNIT));
+        finding.uncertainty = spread(found.speed, UNIT);
         finding.reason = match finding.can_hold {
             true => String::from("the uncertainty of both ends reaches over a limit"),
             false => band.miss(found.speed),

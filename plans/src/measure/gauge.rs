@@ -1,7 +1,5 @@
 //! Taking a measurement.
 
-use std::cmp::Ordering;
-
 use record::{Figure, GuardBand, MeasurementRecord, Verdict};
 use signal::{Decimal, SignalInfo, ValueKind};
 
@@ -14,60 +12,21 @@ use crate::lang::Literal;
 use crate::meaning::{ToleranceBand, number};
 use crate::monitor::edges::{EdgeFinder, FirstEdge};
 use crate::monitor::reading::ValueReader;
-use crate::monitor::{CaseTimeline, NotJudged, Number, TimedValue, UncertainInstant, UnseenPulses, slack};
+use crate::monitor::{
+    CaseTimeline, Extent, NotJudged, Number, NumberLimits, TimedValue, UncertainInstant, UnseenPulses, slack,
+    widened,
+};
 
-/// Limits as numbers.
+/// Limits as numbers, and as the record states them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct LimitNumbers {
-    min: Option<f64>,
-    max: Option<f64>,
-    nominal: Option<f64>,
-    tolerance: Option<f64>,
-    /// A limit is a whole number that no float is.
-    rounded: bool,
+    limits: NumberLimits,
+    /// The value wanted and the tolerance, where the limits were given by them.
+    around: Option<(Decimal, Decimal)>,
+    /// What no figure of this kind is below or above: a limit there is none.
+    natural: NumberLimits,
     /// How the uncertainty of a figure counts against them.
     guard: GuardBand,
-}
-
-/// One end of what is held against limits.
-#[derive(Clone, Copy, Debug)]
-enum JudgedEnd {
-    /// A number.
-    At(f64),
-    /// The middle of a figure: the sum of its ends, exactly, and half of that as the nearest float.
-    Middle(Option<Decimal>, f64),
-}
-
-impl JudgedEnd {
-    /// The middle of a figure; none of one without an end. Floats are met as the decimal numbers that they were written as:
-    /// the middle of 0.45 and 0.55 is 0.5.
-    fn middle(low: f64, high: f64) -> Option<JudgedEnd> {
-        let middle = low / 2.0 + high / 2.0;
-        let sum = || Decimal::from_f64(low)?.plus(Decimal::from_f64(high)?);
-        middle.is_finite().then(|| JudgedEnd::Middle(sum(), middle))
-    }
-
-    fn compare(self, limit: f64) -> Option<Ordering> {
-        let near = match self {
-            JudgedEnd::At(number) => return number.partial_cmp(&limit),
-            JudgedEnd::Middle(sum, near) => {
-                let twice = Decimal::from_f64(limit).and_then(|limit| limit.plus(limit));
-                if let (Some(sum), Some(twice)) = (sum, twice) {
-                    return Some(sum.cmp(&twice));
-                }
-                near
-            }
-        };
-        near.partial_cmp(&limit)
-    }
-
-    fn is_at_most(self, limit: f64) -> bool {
-        self.compare(limit).is_some_and(Ordering::is_le)
-    }
-
-    fn is_at_least(self, limit: f64) -> bool {
-        self.compare(limit).is_some_and(Ordering::is_ge)
-    }
 }
 
 impl LimitNumbers {
@@ -77,70 +36,39 @@ impl LimitNumbers {
     /// Why a limit means nothing, one sentence.
     pub(super) fn new(limits: &MeasurementLimits, info: &SignalInfo) -> Result<LimitNumbers, String> {
         let bind = |limit: &Option<Literal>| limit.as_ref().map(|one| number(one, info)).transpose();
-        let (min, max) = (bind(&limits.min)?, bind(&limits.max)?);
-        let rounded = |limit: Option<Number>| limit.is_some_and(|limit| limit.reals().0 < limit.reals().1);
-        let mut bounds = LimitNumbers {
-            min: min.map(Number::as_real),
-            max: max.map(Number::as_real),
-            rounded: rounded(min) || rounded(max),
+        let mut numbers = LimitNumbers {
+            limits: NumberLimits { min: bind(&limits.min)?, max: bind(&limits.max)? },
             ..LimitNumbers::default()
         };
         if let Some((nominal, tolerance)) = &limits.nominal {
             let around = ToleranceBand::new(nominal, tolerance, info)?;
-            bounds.nominal = Some(around.middle.as_f64());
-            bounds.tolerance = around.max.minus(around.middle).map(Decimal::as_f64);
-            bounds.min = Some(around.min.as_f64());
-            bounds.max = Some(around.max.as_f64());
+            numbers.limits = NumberLimits { min: Some(around.min.into()), max: Some(around.max.into()) };
+            numbers.around = around.max.minus(around.middle).map(|tolerance| (around.middle, tolerance));
         }
-        match (bounds.min, bounds.max) {
-            (Some(min), Some(max)) if min > max => Err("the limits exclude every value".into()),
-            _ => Ok(bounds),
+        match numbers.limits.are_reversed() {
+            true => Err("the limits exclude every value".into()),
+            false => Ok(numbers),
         }
     }
 
     /// The same with this guard band.
-    pub(super) fn guarded(self, guard: GuardBand) -> LimitNumbers {
+    fn guarded(self, guard: GuardBand) -> LimitNumbers {
         LimitNumbers { guard, ..self }
     }
 
-    pub(super) fn any(&self) -> bool {
-        self.min.is_some() || self.max.is_some()
-    }
-
-    /// What of a figure is held against them: both ends, or without a guard band its middle.
-    fn judged(&self, low: f64, high: f64) -> [JudgedEnd; 2] {
-        let middle = match self.guard {
-            GuardBand::Uncertainty => None,
-            GuardBand::None => JudgedEnd::middle(low, high),
-        };
-        middle.map_or([JudgedEnd::At(low), JudgedEnd::At(high)], |middle| [middle; 2])
-    }
-
-    /// Whether a value between the ends can be inside the limits, and whether it can be outside.
-    fn hold(&self, [low, high]: [JudgedEnd; 2]) -> (bool, bool) {
-        let min = self.min.unwrap_or(f64::NEG_INFINITY);
-        let max = self.max.unwrap_or(f64::INFINITY);
-        let around = |limit: f64| match self.rounded {
-            true => (limit.next_down(), limit.next_up()),
-            false => (limit, limit),
-        };
-        let (min, max) = (around(min), around(max));
-        let inside = low.is_at_least(min.1) && high.is_at_most(max.0);
-        (low.is_at_most(max.1) && high.is_at_least(min.0), !inside)
-    }
-
-    fn margin(&self, low: f64, high: f64) -> Option<f64> {
-        let middle = low + (high - low) / 2.0;
-        let (low, high) = match self.guard {
-            GuardBand::None if middle.is_finite() => (middle, middle),
+    /// What of a figure is held against them: all of it, or without a guard band its middle, exactly. A figure without an
+    /// end has none.
+    fn judged(&self, (low, high): Extent) -> Extent {
+        let middle = low.plus(high).times(Number::Real(0.5));
+        match self.guard {
+            GuardBand::None if middle.as_real().is_finite() => (middle, middle),
             _ => (low, high),
-        };
-        let below = self.max.map(|max| max - high);
-        let above = self.min.map(|min| low - min);
-        match (below, above) {
-            (Some(below), Some(above)) => Some(below.min(above)),
-            (one, other) => one.or(other),
         }
+    }
+
+    /// The same for a figure that is never outside of these.
+    fn of_kind(self, natural: NumberLimits) -> LimitNumbers {
+        LimitNumbers { natural, ..self }
     }
 }
 
@@ -195,12 +123,13 @@ impl UnseenReach {
         }
     }
 
-    fn widened(self, [low, high]: [JudgedEnd; 2]) -> [JudgedEnd; 2] {
-        let (least, most) = (JudgedEnd::At(f64::NEG_INFINITY), JudgedEnd::At(f64::INFINITY));
+    /// The figure with all that they could make of it.
+    fn widened(self, (low, high): Extent) -> Extent {
+        let (least, most) = (Number::Real(f64::NEG_INFINITY), Number::Real(f64::INFINITY));
         match self {
-            UnseenReach::Anywhere => [least, most],
-            UnseenReach::Up => [low, most],
-            UnseenReach::Down => [least, high],
+            UnseenReach::Anywhere => (least, most),
+            UnseenReach::Up => (low, most),
+            UnseenReach::Down => (least, high),
         }
     }
 }
@@ -248,14 +177,14 @@ impl Gauge {
             }
         };
         let bounds = LimitNumbers::new(&measurement.limits, &info).map_err(NotJudged::NoMeaning)?;
-        let bounds = bounds.guarded(measurement.guard);
+        let bounds = bounds.of_kind(measurement.quantity.natural()).guarded(measurement.guard);
         let record = MeasurementRecord {
             name: measurement.name.clone(),
             unit: info.unit,
-            min: bounds.min,
-            max: bounds.max,
-            nominal: bounds.nominal,
-            tolerance: bounds.tolerance,
+            min: bounds.limits.min.map(Number::as_real),
+            max: bounds.limits.max.map(Number::as_real),
+            nominal: bounds.around.map(|(nominal, _)| nominal.as_f64()),
+            tolerance: bounds.around.map(|(_, tolerance)| tolerance.as_f64()),
             guard_band: measurement.guard,
             signal: measurement.signals().into_iter().next(),
             what: measurement.quantity.to_string(),
@@ -303,7 +232,7 @@ impl Gauge {
                     Some(length) => (length, length),
                     None => (to.a.saturating_sub(from.b), to.b.saturating_sub(from.a)),
                 };
-                judge(record, &bounds, extent.0 as f64, extent.1 as f64)
+                judge(record, &bounds, nanos(extent))
             }
             GaugeState::Edge { from, finder, mut first, past } => {
                 if let Some(rest) = finder.rest() {
@@ -319,7 +248,7 @@ impl Gauge {
                     }
                     return failed(record, &format!("it did not happen, nothing {past}"));
                 };
-                let record = judge(record, &bounds, low as f64, high as f64);
+                let record = judge(record, &bounds, nanos((low, high)));
                 if delay.doubtful || delay.can_be_missing {
                     return open(record, "the value is not known at a time when it may have ended earlier");
                 }
@@ -329,30 +258,30 @@ impl Gauge {
                 record.from_ns = interval(&point);
                 let candidates = reader.finish();
                 let slack = slack(&info);
-                let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+                let mut extent = None;
                 for candidate in &candidates {
-                    let reals = Number::of(candidate.seen.value).map(Number::reals);
-                    match reals.filter(|(low, _)| !low.is_nan()) {
-                        Some((least, most)) => {
-                            let slack = slack + candidate.seen.value.uncertainty();
-                            (low, high) = (low.min(least - slack), high.max(most + slack));
+                    let value = candidate.seen.value;
+                    match Number::of(value).filter(|number| !number.as_real().is_nan()) {
+                        Some(number) => {
+                            let off = Number::Real(slack + value.uncertainty());
+                            extent = Some(widened(extent, (number.minus(off), number.plus(off))));
                         }
                         None => {
                             record.verdict = Verdict::Inconclusive;
-                            let shown = info.show(candidate.seen.value);
-                            record.reason = format!("the value is {shown}");
+                            record.reason = format!("the value is {}", info.show(value));
                             return record;
                         }
                     }
                 }
-                judge(record, &bounds, low, high)
+                let Some(extent) = extent else { return open(record, "the value is not known") };
+                judge(record, &bounds, extent)
             }
             GaugeState::Over(over) => over.finish(record, &bounds),
             GaugeState::Position(counting) => {
                 let (sum, window) = counting.finish();
                 record.from_ns = interval(&window.from);
                 record.to_ns = interval(&window.until);
-                let record = judge(record, &bounds, sum.extent.0 as f64, sum.extent.1 as f64);
+                let record = judge(record, &bounds, sum.figure());
                 seen_whole(record, sum.doubtful)
             }
             GaugeState::Profile(following) => {
@@ -362,7 +291,8 @@ impl Gauge {
                 if found.counts.1 == 0 && !found.doubtful {
                     return failed(record, "nothing counted in the window");
                 }
-                let record = judge(record, &bounds, found.needed.0, found.needed.1);
+                let record =
+                    judge(record, &bounds, (Number::Real(found.needed.0), Number::Real(found.needed.1)));
                 match found.counts.0 {
                     0 if !found.doubtful && record.verdict != Verdict::Fail => {
                         open(record, "it is open whether anything counted in the window")
@@ -374,29 +304,34 @@ impl Gauge {
     }
 }
 
-/// The verdict on a value that lies in an interval.
+/// Least and greatest time as a figure.
+pub(super) fn nanos((low, high): (i64, i64)) -> Extent {
+    (Number::Int(i128::from(low)), Number::Int(i128::from(high)))
+}
+
+/// The verdict on a figure of this extent.
 pub(super) fn judge(
     mut record: MeasurementRecord,
     bounds: &LimitNumbers,
-    low: f64,
-    high: f64,
+    extent: Extent,
 ) -> MeasurementRecord {
-    record.value = Some([low, high]);
-    if !bounds.any() {
+    record.value = Some([extent.0.reals().0, extent.1.reals().1]);
+    let limits = bounds.limits;
+    if !limits.any() {
         return record;
     }
-    record.margin = bounds.margin(low, high).map(|margin| Figure::new(margin, record.unit.clone()));
-    let judged = bounds.judged(low, high);
-    (record.verdict, record.reason) = match bounds.hold(judged) {
+    let judged = bounds.judged(extent);
+    let margin = limits.passable(bounds.natural).margin(judged);
+    record.margin = margin.map(|margin| Figure::new(margin, record.unit.clone()));
+    (record.verdict, record.reason) = match limits.hold(judged) {
         (true, false) => (Verdict::Pass, String::new()),
         (false, _) => {
-            let over = bounds.max.is_some_and(|max| !judged[0].is_at_most(max));
+            let over = limits.max.is_some_and(|max| judged.0.is_above(max));
             (Verdict::Fail, String::from(if over { "too large" } else { "too small" }))
         }
         (true, true) => (Verdict::Inconclusive, String::from("a limit lies within the uncertainty")),
     };
-    let proven = bounds.guarded(GuardBand::Uncertainty).hold([low, high].map(JudgedEnd::At));
-    if proven == (true, true) && record.verdict != Verdict::Inconclusive {
+    if limits.hold(extent) == (true, true) && record.verdict != Verdict::Inconclusive {
         let sense = if record.verdict == Verdict::Pass { "accepted" } else { record.reason.as_str() };
         record.reason =
             format!("{sense} by its middle: a limit lies within the uncertainty and `guard` is \"none\"");
@@ -418,7 +353,10 @@ fn with_unseen(
     why: String,
 ) -> MeasurementRecord {
     let (can_hold, can_break) = match record.value {
-        Some([low, high]) => bounds.hold(reach.widened(bounds.judged(low, high))),
+        Some(value) => {
+            let [low, high] = value.map(Number::Real);
+            bounds.limits.hold(reach.widened(bounds.judged((low, high))))
+        }
         // Nothing was seen that could be measured.
         None => (true, false),
     };

@@ -22,13 +22,13 @@ use record::{GuardBand, MeasurementRecord, Verdict};
 use signal::{SignalInfo, Span, ValueKind};
 
 use crate::expect::FilePlace;
-use crate::expect::band::figure;
+use crate::expect::band::{NEVER_NEGATIVE, WHOLE_PART, figure};
 use crate::expect::profile::ShapedTrain;
 use crate::expect::train::TrainLines;
 use crate::lang::{Anchor, Literal};
 use crate::monitor::edges::CountedEdge;
 use crate::monitor::jitter::JitterQuery;
-use crate::monitor::{CaseTimeline, NotJudged, PulseRule, TraceSignals, UnseenPulses};
+use crate::monitor::{CaseTimeline, NotJudged, NumberLimits, PulseRule, TraceSignals, UnseenPulses};
 
 pub use gauge::Gauge;
 pub(crate) use read::{GUARD, GUARDS, guard};
@@ -191,6 +191,26 @@ impl WindowFigure {
             WindowFigure::Duty => Some("%"),
             WindowFigure::Period(_) | WindowFigure::Width { .. } | WindowFigure::Jitter(_) => Some("ns"),
             WindowFigure::Value(_) => None,
+        }
+    }
+}
+
+impl MeasuredQuantity {
+    /// What no figure of the kind is below or above.
+    fn natural(&self) -> NumberLimits {
+        match self {
+            MeasuredQuantity::Between { .. }
+            | MeasuredQuantity::ToEdge { .. }
+            | MeasuredQuantity::Profile { .. } => NEVER_NEGATIVE,
+            MeasuredQuantity::Value { .. } | MeasuredQuantity::Position { .. } => NumberLimits::default(),
+            MeasuredQuantity::Over { figure, .. } => match figure {
+                WindowFigure::Frequency
+                | WindowFigure::Period(_)
+                | WindowFigure::Width { .. }
+                | WindowFigure::Jitter(_) => NEVER_NEGATIVE,
+                WindowFigure::Duty => WHOLE_PART,
+                WindowFigure::Value(_) | WindowFigure::Speed => NumberLimits::default(),
+            },
         }
     }
 }

@@ -3,7 +3,7 @@
 use record::MeasurementRecord;
 use signal::SignalInfo;
 
-use super::gauge::{LimitNumbers, failed, judge, open};
+use super::gauge::{LimitNumbers, failed, judge, nanos, open};
 use super::{Statistic, WindowFigure};
 use crate::monitor::cycles::Cycles;
 use crate::monitor::edges::{CountedEdge, EdgeFinder};
@@ -12,7 +12,7 @@ use crate::monitor::jitter::Jitter;
 use crate::monitor::levels::PulseFinder;
 use crate::monitor::pulses::{FirstPulse, Pulse};
 use crate::monitor::speed::SpeedFollower;
-use crate::monitor::{TimedValue, UncertainWindow, slack};
+use crate::monitor::{Extent, Number, TimedValue, UncertainWindow, slack, widened};
 
 /// What follows the signal.
 #[derive(Debug)]
@@ -49,7 +49,7 @@ pub(super) struct WindowMeasurement {
 pub(super) struct SpanStatistics {
     /// Of those that lie in the window in every placement: how many, and the sums of their least and greatest lengths.
     count: u64,
-    sum: (f64, f64),
+    sum: (i128, i128),
     least: Option<(i64, i64)>,
     most: Option<(i64, i64)>,
     /// Least and greatest length of those that may lie in it.
@@ -64,7 +64,7 @@ impl SpanStatistics {
         };
         if certain {
             self.count += 1;
-            self.sum = (self.sum.0 + length.0 as f64, self.sum.1 + length.1 as f64);
+            self.sum = (self.sum.0 + i128::from(length.0), self.sum.1 + i128::from(length.1));
             self.least = pair(self.least, i64::min);
             self.most = pair(self.most, i64::max);
         } else {
@@ -74,25 +74,22 @@ impl SpanStatistics {
     }
 
     /// Least and greatest figure of all placements; `None` if there may be nothing in the window.
-    fn finish(&self, take: Statistic) -> Option<(f64, f64)> {
+    fn finish(&self, take: Statistic) -> Option<Extent> {
         let (least, most) = (self.least?, self.most?);
-        let count = self.count as f64;
         let (low, high) = match take {
-            Statistic::Min => (least.0 as f64, least.1 as f64),
-            Statistic::Max => (most.0 as f64, most.1 as f64),
-            Statistic::Span => ((most.0.saturating_sub(least.1)).max(0) as f64, (most.1 - least.0) as f64),
-            _ => (self.sum.0 / count, self.sum.1 / count),
+            Statistic::Min => nanos(least),
+            Statistic::Max => nanos(most),
+            Statistic::Span => nanos((most.0.saturating_sub(least.1).max(0), most.1.saturating_sub(least.0))),
+            _ => (Number::quotient(self.sum.0, self.count), Number::quotient(self.sum.1, self.count)),
         };
         let Some(possible) = self.possible else { return Some((low, high)) };
-        let possible = (possible.0 as f64, possible.1 as f64);
+        let whole = most.1.max(possible.1).saturating_sub(least.0.min(possible.0));
+        let possible = nanos(possible);
         Some(match take {
-            Statistic::Min => (low.min(possible.0), high),
-            Statistic::Max => (low, high.max(possible.1)),
-            Statistic::Span => {
-                let whole = (most.1 as f64).max(possible.1) - (least.0 as f64).min(possible.0);
-                (low, high.max(whole))
-            }
-            _ => (low.min(possible.0), high.max(possible.1)),
+            Statistic::Min => (low.least(possible.0), high),
+            Statistic::Max => (low, high.most(possible.1)),
+            Statistic::Span => (low, high.most(nanos((whole, whole)).1)),
+            _ => (low.least(possible.0), high.most(possible.1)),
         })
     }
 }
@@ -122,7 +119,10 @@ impl WindowMeasurement {
             WindowFigure::Jitter(asked) => {
                 WindowFollower::Jitter(Box::new(Jitter::new(asked, CountedEdge::Rises, window, slack)))
             }
-            WindowFigure::Value(_) => WindowFollower::Values(Box::new(Extremes::new(window))),
+            WindowFigure::Value(Statistic::Min | Statistic::Max | Statistic::Span) => {
+                WindowFollower::Values(Box::new(Extremes::new(window)))
+            }
+            WindowFigure::Value(_) => WindowFollower::Values(Box::new(Extremes::new(window).with_means())),
             WindowFigure::Speed => WindowFollower::Speed(Box::new(SpeedFollower::new(window))),
         };
         WindowMeasurement { window, figure, follow, end, slack }
@@ -179,10 +179,10 @@ impl WindowMeasurement {
                     WindowFigure::Duty => stretch.duty(),
                     _ => stretch.period(),
                 });
-                let Some(extent) = figures.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else {
+                let Some(extent) = figures.reduce(|a, b| widened(Some(a), b)) else {
                     return missing(record, found.doubtful, "fewer than two edges lie in the window");
                 };
-                let record = judge(record, bounds, extent.0, extent.1);
+                let record = judge(record, bounds, extent);
                 match (found.doubtful, found.can_be_missing) {
                     (true, _) => open(record, NOT_KNOWN),
                     (_, true) => open(record, "it is open whether two edges lie in the window"),
@@ -201,7 +201,7 @@ impl WindowMeasurement {
                     record.value = Some([low as f64, f64::INFINITY]);
                     return open(record, "the case ended within the pulse");
                 }
-                let record = judge(record, bounds, low as f64, high as f64);
+                let record = judge(record, bounds, nanos((low, high)));
                 match (spread.doubtful, spread.can_be_missing) {
                     (true, _) => open(record, NOT_KNOWN),
                     (_, true) => open(record, "it is open whether the pulse began in the window"),
@@ -224,7 +224,7 @@ impl WindowMeasurement {
                 let Some((low, high)) = found.extent else {
                     return missing(record, found.doubtful, "fewer than three edges lie in the window");
                 };
-                let record = judge(record, bounds, low, high);
+                let record = judge(record, bounds, (Number::Real(low), Number::Real(high)));
                 match (found.doubtful, found.can_be_missing) {
                     (true, _) => open(record, NOT_KNOWN),
                     (_, true) => open(record, "it is open whether three edges lie in the window"),
@@ -232,7 +232,7 @@ impl WindowMeasurement {
                 }
             }
             WindowFollower::Speed(speed) => match speed.finish(slack) {
-                Some(found) => judge(record, bounds, found.speed.0, found.speed.1),
+                Some(found) => judge(record, bounds, found.speed),
                 None => open(record, "the signal is not known at both ends of the window"),
             },
             WindowFollower::Values(extremes) => {
@@ -243,14 +243,15 @@ impl WindowMeasurement {
                 let (low, high) = match take {
                     Statistic::Min => found.least,
                     Statistic::Max => found.most,
-                    Statistic::Rms => found.rms,
-                    Statistic::Span => {
-                        ((found.most.0 - found.least.1).max(0.0), found.most.1 - found.least.0)
-                    }
-                    Statistic::First | Statistic::Mean => found.mean,
+                    Statistic::Rms => found.means.map_or(found.most, |(_, rms)| rms),
+                    Statistic::Span => (
+                        found.most.0.minus(found.least.1).most(Number::ZERO),
+                        found.most.1.minus(found.least.0),
+                    ),
+                    Statistic::First | Statistic::Mean => found.means.map_or(found.most, |(mean, _)| mean),
                 };
-                let slack = if take == Statistic::Span { 2.0 * slack } else { slack };
-                let record = judge(record, bounds, low - slack, high + slack);
+                let slack = Number::Real(if take == Statistic::Span { 2.0 * slack } else { slack });
+                let record = judge(record, bounds, (low.minus(slack), high.plus(slack)));
                 if found.unknown { open(record, NOT_KNOWN) } else { record }
             }
         }
@@ -286,10 +287,10 @@ fn many_judged(
             Statistic::Mean
         }
     };
-    let Some((low, high)) = many.finish(take) else {
+    let Some(extent) = many.finish(take) else {
         return missing(record, many.doubtful || many.possible.is_some(), none);
     };
-    let record = judge(record, bounds, low, high);
+    let record = judge(record, bounds, extent);
     if many.doubtful { open(record, "the signal is not known for a part of the window") } else { record }
 }
 

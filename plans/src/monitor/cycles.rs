@@ -6,10 +6,13 @@
 //! each pair of them is a [`CycleSpan`]. With exact instants there is one pair.
 
 use super::edges::{CountedEdge, EdgeFinder};
-use super::{TimedValue, UncertainWindow};
+use super::{Extent, Number, TimedValue, UncertainWindow};
 
 /// Most edges that may be the first one, or the last one, of a window. Beyond it the answer is left open.
 const MOST: usize = 64;
+
+/// Nanoseconds of a second.
+const NANOS: i128 = 1_000_000_000;
 
 /// An edge with all that lies before it.
 #[derive(Clone, Copy, Debug)]
@@ -34,27 +37,26 @@ pub struct CycleSpan {
 
 impl CycleSpan {
     /// Least and greatest mean frequency, in hertz.
-    pub fn rate(&self) -> (f64, f64) {
-        let rate = |length: i64| match length {
-            ..=0 => f64::INFINITY,
-            length => self.cycles as f64 * 1e9 / length as f64,
-        };
+    pub(crate) fn rate(&self) -> Extent {
+        let cycles = i128::from(self.cycles) * NANOS;
+        let rate = |length: i64| Number::quotient(cycles, u64::try_from(length).unwrap_or(0));
         (rate(self.length.1), rate(self.length.0))
     }
 
     /// Least and greatest mean length of a cycle, in nanoseconds.
-    pub fn period(&self) -> (f64, f64) {
-        let mean = |length: i64| length.max(0) as f64 / self.cycles as f64;
+    pub(crate) fn period(&self) -> Extent {
+        let mean = |length: i64| Number::quotient(i128::from(length.max(0)), self.cycles);
         (mean(self.length.0), mean(self.length.1))
     }
 
     /// Least and greatest part of the time in which the signal is TRUE, in per cent.
-    pub fn duty(&self) -> (f64, f64) {
-        let part = |high: i64, length: i64| match length {
-            ..=0 => 100.0,
-            length => (high.max(0) as f64 * 100.0 / length as f64).min(100.0),
+    pub(crate) fn duty(&self) -> Extent {
+        let whole = Number::Int(100);
+        let part = |high: i64, length: i64| match u64::try_from(length) {
+            Ok(length @ 1..) => Number::quotient(i128::from(high.max(0)) * 100, length).least(whole),
+            _ => whole,
         };
-        let least = if self.length.1 > 0 { part(self.high.0, self.length.1) } else { 0.0 };
+        let least = if self.length.1 > 0 { part(self.high.0, self.length.1) } else { Number::ZERO };
         (least, part(self.high.1, self.length.0))
     }
 }

@@ -1,12 +1,48 @@
 //! The least and the greatest value of a signal in a window, and its mean over the time.
 //!
 //! A value that lies in the window in every placement counts for certain, one that lies there in some counts as
-//! possible. A number that was measured counts with all that it may be, a whole one that no float is with the floats beside it. The mean weighs each value with the time that it certainly lasts in the window; what is left of the
-//! window may have any of the possible values.
+//! possible. A number that was measured counts with all that it may be. The mean weighs each value with the time that it
+//! certainly lasts in the window; what is left of the window may have any of the possible values.
+
+use std::cmp::Ordering;
 
 use signal::Value;
 
-use super::{Number, TimedValue, UncertainWindow};
+use super::means::Means;
+use super::{Extent, Number, TimedValue, UncertainWindow};
+
+/// A number and by how much the truth may be above it, or below it where that is negative.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Reach {
+    number: Number,
+    off: f64,
+}
+
+impl Reach {
+    fn exact(self) -> Number {
+        if self.off == 0.0 { self.number } else { self.number.plus(Number::Real(self.off)) }
+    }
+
+    fn compare(self, other: Reach) -> Ordering {
+        if self.off == other.off {
+            return self.number.compare(other.number).unwrap_or(Ordering::Equal);
+        }
+        // Sums of decimals take time: where floats lie clearly apart they are not needed.
+        let (a, b) = (self.number.as_real() + self.off, other.number.as_real() + other.off);
+        match (a - b).abs() > (a.abs() + b.abs()) * 1e-12 {
+            true => a.total_cmp(&b),
+            false => self.exact().compare(other.exact()).unwrap_or(Ordering::Equal),
+        }
+    }
+
+    fn least(self, other: Reach) -> Reach {
+        if other.compare(self).is_lt() { other } else { self }
+    }
+
+    fn most(self, other: Reach) -> Reach {
+        if other.compare(self).is_gt() { other } else { self }
+    }
+}
 
 /// Follows the values of one window.
 #[derive(Clone, Debug)]
@@ -14,14 +50,11 @@ pub struct Extremes {
     window: UncertainWindow,
     last: Option<TimedValue>,
     /// What the least value is at most, and the greatest one at least.
-    certain: Option<(f64, f64)>,
-    possible: Option<(f64, f64)>,
+    certain: Option<(Reach, Reach)>,
+    possible: Option<(Reach, Reach)>,
     unknown: bool,
-    /// Certain time in nanoseconds, and with it the sums of the values and of their squares: the least and the greatest
-    /// that they may be.
-    time: f64,
-    sum: (f64, f64),
-    squares: (f64, f64),
+    /// The values with the time that they certainly last, where a mean is asked for.
+    means: Option<Box<Means>>,
     /// Where the least and the greatest value began.
     at_least: Option<TimedValue>,
     at_most: Option<TimedValue>,
@@ -31,13 +64,11 @@ pub struct Extremes {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
     /// The least value.
-    pub least: (f64, f64),
+    pub(crate) least: Extent,
     /// The greatest value.
-    pub most: (f64, f64),
-    /// The mean over the time.
-    pub mean: (f64, f64),
-    /// The root of the mean square over the time.
-    pub rms: (f64, f64),
+    pub(crate) most: Extent,
+    /// The mean over the time and the root of the mean square, where they were asked for.
+    pub(crate) means: Option<(Extent, Extent)>,
     /// Where the least and the greatest value began.
     pub at: (TimedValue, TimedValue),
     /// For a part of the window the value is not known, or no number.
@@ -53,12 +84,16 @@ impl Extremes {
             certain: None,
             possible: None,
             unknown: false,
-            time: 0.0,
-            sum: (0.0, 0.0),
-            squares: (0.0, 0.0),
+            means: None,
             at_least: None,
             at_most: None,
         }
+    }
+
+    /// The same with the means over the time.
+    #[must_use]
+    pub(crate) fn with_means(self) -> Extremes {
+        Extremes { means: Some(Box::new(Means::NONE)), ..self }
     }
 
     /// The window's end is still to come, at `now` or later.
@@ -81,34 +116,29 @@ impl Extremes {
         }
         let number = match seen.value {
             Value::Unknown | Value::HighZ => None,
-            value => {
-                Number::of(value).map(Number::reals).filter(|(low, high)| low.is_finite() && high.is_finite())
-            }
+            value => Number::of(value).filter(|number| number.as_real().is_finite()),
         };
-        let Some((low, high)) = number else {
+        let Some(number) = number else {
             self.unknown = true;
             return;
         };
-        let (low, high) = (low - seen.value.uncertainty(), high + seen.value.uncertainty());
-        let widened = |range: Option<(f64, f64)>, (low, high): (f64, f64)| match range {
-            Some((least, most)) => (least.min(low), most.max(high)),
-            None => (low, high),
-        };
-        if self.possible.is_none_or(|(least, _)| low < least) {
+        let off = seen.value.uncertainty();
+        let (low, high) = (Reach { number, off: -off }, Reach { number, off });
+        let (least, most) = self.possible.unwrap_or((low, high));
+        if self.possible.is_none() || low.compare(least).is_lt() {
             self.at_least = Some(seen);
         }
-        if self.possible.is_none_or(|(_, most)| high > most) {
+        if self.possible.is_none() || high.compare(most).is_gt() {
             self.at_most = Some(seen);
         }
-        self.possible = Some(widened(self.possible, (low, high)));
+        self.possible = Some((least.least(low), most.most(high)));
         if self.window.must_meet(seen.b, end.0) {
-            self.certain = Some(widened(self.certain, (high, low)));
-            let lasts = end.0.min(self.window.until.a).saturating_sub(seen.b.max(self.window.from.b));
-            let lasts = lasts.max(0) as f64;
-            self.time += lasts;
-            self.sum = (self.sum.0 + lasts * low, self.sum.1 + lasts * high);
-            let (near, far) = magnitudes(low, high);
-            self.squares = (self.squares.0 + lasts * near * near, self.squares.1 + lasts * far * far);
+            let (least, most) = self.certain.unwrap_or((high, low));
+            self.certain = Some((least.least(high), most.most(low)));
+            if let Some(means) = &mut self.means {
+                let lasts = end.0.min(self.window.until.a).saturating_sub(seen.b.max(self.window.from.b));
+                means.add((low.exact(), high.exact()), lasts.max(0));
+            }
         }
     }
 
@@ -116,36 +146,22 @@ impl Extremes {
     pub fn finish(mut self) -> Option<Summary> {
         self.until((i64::MAX, i64::MAX));
         let (low, high) = self.possible?;
+        let (low, high) = (low.exact(), high.exact());
         let at = (self.at_least?, self.at_most?);
         let (least, most) = match self.certain {
-            Some((least, most)) => ((low, least), (most, high)),
+            Some((least, most)) => ((low, least.exact()), (most.exact(), high)),
             None => ((low, high), (low, high)),
         };
         let longest = match self.window.link {
             Some(length) => length,
             None => self.window.until.b.saturating_sub(self.window.from.a),
         };
-        let rest = (longest as f64 - self.time).max(0.0);
-        let whole = self.time + rest;
-        let mean = |sums: (f64, f64), (low, high): (f64, f64)| {
-            let mean = |sum: f64, value: f64| if whole > 0.0 { (sum + rest * value) / whole } else { value };
-            (mean(sums.0, low), mean(sums.1, high))
-        };
-        let (near, far) = magnitudes(low, high);
-        let squares = mean(self.squares, (near * near, far * far));
         Some(Summary {
             least,
             most,
-            mean: mean(self.sum, (low, high)),
-            rms: (squares.0.max(0.0).sqrt(), squares.1.max(0.0).sqrt()),
+            means: self.means.map(|means| means.finish((low, high), longest)),
             at,
             unknown: self.unknown,
         })
     }
-}
-
-/// The least and the greatest magnitude of the numbers from `low` to `high`.
-fn magnitudes(low: f64, high: f64) -> (f64, f64) {
-    let near = if low <= 0.0 && high >= 0.0 { 0.0 } else { low.abs().min(high.abs()) };
-    (near, low.abs().max(high.abs()))
 }

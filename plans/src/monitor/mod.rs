@@ -19,6 +19,7 @@ mod instants;
 pub mod jitter;
 pub mod levels;
 mod limits;
+mod means;
 mod number;
 mod pulse_filter;
 pub mod pulses;

@@ -1,15 +1,15 @@
 //! How fast a number changes over a window: by how much it differs between the two ends, per second.
 
 use super::reading::{Candidate, ValueReader};
-use super::{TimedValue, UncertainWindow};
+use super::{Extent, Number, TimedValue, UncertainWindow, widened};
 
 /// Least and greatest change per second of all placements, and what it was made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpeedResult {
     /// Changes per second.
-    pub speed: (f64, f64),
+    pub(crate) speed: Extent,
     /// Least and greatest change.
-    pub change: (f64, f64),
+    pub(crate) change: Extent,
     /// The last event before the end of the window.
     pub last: Option<TimedValue>,
 }
@@ -45,10 +45,8 @@ impl SpeedFollower {
         let until = until.finish();
         let last = until.last().map(|candidate| candidate.seen);
         let from = from.finish();
-        // Counted from one of them, so that large numbers differ as exactly as small ones.
-        let origin = from.iter().find_map(|candidate| candidate.seen.value.as_int()).unwrap_or(0);
-        let (begin, end) = (extent(&from, origin, slack)?, extent(&until, origin, slack)?);
-        let change = (end.0 - begin.1, end.1 - begin.0);
+        let (begin, end) = (extent(&from, slack)?, extent(&until, slack)?);
+        let change = (end.0.minus(begin.1), end.1.minus(begin.0));
         let length = match window.link {
             Some(length) => (length, length),
             None => {
@@ -56,30 +54,35 @@ impl SpeedFollower {
                 (until.a.saturating_sub(from.b), until.b.saturating_sub(from.a))
             }
         };
-        if length.0 <= 0 {
+        let (Ok(short @ 1..), Ok(long)) = (u64::try_from(length.0), u64::try_from(length.1)) else {
             return None;
-        }
-        let per_second = |change: f64, length: i64| change / (length as f64 / 1e9);
-        let (short, long) = (length.0, length.1);
+        };
         // A change down is fastest, and so least, in the shorter time.
-        let low = per_second(change.0, if change.0 < 0.0 { short } else { long });
-        let high = per_second(change.1, if change.1 < 0.0 { long } else { short });
+        let low = per_second(change.0, if change.0.is_below(Number::ZERO) { short } else { long });
+        let high = per_second(change.1, if change.1.is_below(Number::ZERO) { long } else { short });
         Some(SpeedResult { speed: (low, high), change, last })
     }
 }
 
-/// Least and greatest number of some candidates, less `origin`; `None` where one is not known.
-fn extent(candidates: &[Candidate], origin: i128, slack: f64) -> Option<(f64, f64)> {
-    let mut extent: Option<(f64, f64)> = None;
+/// A change in so many nanoseconds, per second; exact for counts.
+fn per_second(change: Number, nanos: u64) -> Number {
+    match change {
+        Number::Int(counts) => match counts.checked_mul(1_000_000_000) {
+            Some(over) => Number::quotient(over, nanos),
+            None => Number::Real(counts as f64 * 1e9 / nanos as f64),
+        },
+        change => Number::Real(change.as_real() / (nanos as f64 / 1e9)),
+    }
+}
+
+/// Least and greatest number of some candidates; `None` where one is not known.
+fn extent(candidates: &[Candidate], slack: f64) -> Option<Extent> {
+    let mut extent = None;
     for candidate in candidates {
         let value = candidate.seen.value;
-        let real = match value.as_int() {
-            Some(count) => (count - origin) as f64,
-            None => value.as_real().filter(|real| real.is_finite())? - origin as f64,
-        };
-        let off = slack + value.uncertainty();
-        let own = (real - off, real + off);
-        extent = Some(extent.map_or(own, |old| (old.0.min(own.0), old.1.max(own.1))));
+        let number = Number::of(value).filter(|number| number.as_real().is_finite())?;
+        let off = Number::Real(slack + value.uncertainty());
+        extent = Some(widened(extent, (number.minus(off), number.plus(off))));
     }
     extent
 }
@@ -140,14 +143,16 @@ mod tests {
                     for old in values(begin) {
                         for new in values(end) {
                             let reported = (new - old) / ((end - begin) as f64 / 1e9);
-                            prop_assert!(found.speed.0 <= reported + 1e-3 && reported - 1e-3 <= found.speed.1, "{reported} {found:?}");
+                            let (low, high) = (found.speed.0.as_real(), found.speed.1.as_real());
+                            prop_assert!(low <= reported + 1e-3 && reported - 1e-3 <= high, "{reported} {found:?}");
                             exact.push(reported);
                         }
                     }
                 }
             }
             if let [only] = exact[..] {
-                prop_assert!((found.speed.0 - only).abs() < 1e-3 && (found.speed.1 - only).abs() < 1e-3);
+                let far = |number: Number| (number.as_real() - only).abs();
+                prop_assert!(far(found.speed.0) < 1e-3 && far(found.speed.1) < 1e-3);
             }
         }
     }

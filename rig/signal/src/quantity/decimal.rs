@@ -158,6 +158,11 @@ impl Decimal {
         Some(Decimal::new(over, exponent))
     }
 
+    /// The number divided by a whole one; `None` where the quotient has no end, or too many digits.
+    pub fn over(self, under: NonZeroU64) -> Option<Decimal> {
+        Some(Decimal::quotient(self.mantissa, under)?.shifted(self.exponent))
+    }
+
     /// How the quotient of two whole numbers compares with this number, exactly.
     pub fn cmp_to_quotient(self, over: i128, under: NonZeroU64) -> Ordering {
         if self.mantissa < 0 {
@@ -391,6 +396,7 @@ pub(super) mod tests {
         assert_eq!(Decimal::quotient(0, under(3)), Some(Decimal::ZERO));
         assert_eq!(Decimal::quotient(6, under(3)), Some(number("2")));
         assert_eq!(Decimal::quotient(5, under(3)), None);
+        assert_eq!(number("0.3").over(under(4)), Some(number("0.075")));
         assert_eq!(
             ["-2.5", "-0.1", "1e-60", "2.5", "-1e300"].map(|text| number(text).floor()),
             [-3, -1, 0, 2, i128::MIN]
