@@ -94,12 +94,10 @@ impl ValueCondition {
         };
         let (min, max) = (limit("min"), limit("max"));
         let (min, max) = (min?, max?);
-        let quantity = |limit: &Option<Literal>| limit.as_ref().and_then(Literal::quantity);
-        let reversed = match (&min, &max, quantity(&min), quantity(&max)) {
-            (Some(Literal::Value(low)), Some(Literal::Value(high)), ..) => low.as_real() > high.as_real(),
-            (.., Some(low), Some(high)) => high.in_unit(&low.unit).is_some_and(|high| low.number > high),
-            _ => false,
-        };
+        let quantity = |limit: &Option<Literal>| limit.as_ref().and_then(Literal::as_quantity);
+        let reversed = quantity(&min)
+            .zip(quantity(&max))
+            .is_some_and(|(low, high)| high.in_unit(&low.unit).is_some_and(|high| low.number > high));
         if reversed {
             let node = fields.get("max")?;
             let message = "`max` is below `min`: the claim can never be met";

@@ -12,11 +12,11 @@ use crate::codes;
 pub enum Literal {
     /// A value that needs no signal to be understood.
     Value(Value),
-    /// A number with a unit; durations are among them.
+    /// A number with a unit; durations are among them. Without a unit a number that no [`Value`] holds exactly.
     Measure {
         /// The number as written.
         number: Decimal,
-        /// The unit as written, as in `V` or `degC`.
+        /// The unit as written, as in `V` or `degC`; [`Unit::NONE`] for none.
         unit: Unit,
     },
     /// A word: the label of a state.
@@ -29,8 +29,10 @@ pub enum LiteralFault {
     /// Nothing to read.
     #[error("the value is empty")]
     Empty,
-    /// The digits do not fit the base or 64 bits.
-    #[error("the digits do not fit the base, or not into 64 bits")]
+    /// The digits do not suit the base, are more than 64 bits of a base other than ten, or are too many.
+    #[error(
+        "the digits do not suit the base, or are too many: a number has at most 30, in base 2, 8 and 16 at most 64 bits"
+    )]
     Digits,
     /// After `T#` stands no duration.
     #[error("a duration is expected after `T#`, as in `T#500ms`")]
@@ -49,10 +51,18 @@ impl Literal {
     /// TRUE.
     pub const TRUE: Literal = Literal::Value(Value::Bool(true));
 
-    /// The value, where no signal is needed to know it. A duration is the nanoseconds that a variable holds.
+    /// The value, where no signal is needed to know it: what a variable is given. A duration is the nanoseconds that it holds; a
+    /// number that no value holds exactly is the nearest float, or none where it has over 64 bits.
     pub fn value(&self) -> Option<Value> {
         match self {
             Literal::Value(value) => Some(*value),
+            Literal::Measure { number, unit } if unit.is_none() => match number.as_whole() {
+                Some(whole) => match i64::try_from(whole) {
+                    Ok(whole) => Some(Value::Int(whole)),
+                    Err(_) => u64::try_from(whole).ok().map(Value::Word),
+                },
+                None => Some(Value::Real(number.as_f64())),
+            },
             Literal::Measure { .. } => self
                 .quantity()
                 .and_then(|quantity| quantity.as_span())
@@ -67,6 +77,19 @@ impl Literal {
             Literal::Measure { number, unit } => Some(Quantity { number: *number, unit: unit.clone() }),
             _ => None,
         }
+    }
+
+    /// The number with its unit, also of one without; `None` for a Boolean, a state and what is no finite number.
+    pub(crate) fn as_quantity(&self) -> Option<Quantity> {
+        let number = match self {
+            Literal::Value(Value::Bool(_)) | Literal::Label(_) => None,
+            Literal::Value(value) => match value.as_int() {
+                Some(whole) => Some(Decimal::from(whole)),
+                None => value.as_real().and_then(Decimal::from_f64),
+            },
+            Literal::Measure { .. } => return self.quantity(),
+        };
+        number.map(|number| Quantity { number, unit: Unit::NONE })
     }
 
     /// Reads a value of the file; reports what is wrong with it.
@@ -88,8 +111,9 @@ impl Literal {
         match &node.data {
             Data::Bool(on) => Ok(Literal::Value(Value::Bool(*on))),
             Data::Integer(number) => Ok(Literal::Value(Value::Int(*number))),
-            Data::Float(text) => match text.parse::<f64>() {
-                Ok(number) if number.is_finite() => Ok(Literal::Value(Value::Real(number))),
+            Data::Float(text) => match Decimal::split(text) {
+                Ok((number, "")) => Ok(plain(text, number)),
+                Err(error) if error.fault == QuantityFault::TooLarge => Err(LiteralFault::Digits),
                 _ => Err(LiteralFault::Unreadable),
             },
             Data::Text(text) => Literal::parse(text),
@@ -116,7 +140,7 @@ impl Literal {
             return prefixed(prefix, rest);
         }
         match Decimal::split(text) {
-            Ok((number, "")) => return plain(text, number),
+            Ok((number, "")) => return Ok(plain(text, number)),
             Ok(_) => {
                 return Quantity::parse(text).map(Literal::from).map_err(|_| LiteralFault::Unreadable);
             }
@@ -154,6 +178,7 @@ fn prefixed(prefix: &str, rest: &str) -> Result<Literal, LiteralFault> {
             Some(_) => Err(LiteralFault::Unreadable),
             None => match Literal::parse(rest)? {
                 value @ Literal::Value(_) => Ok(value),
+                Literal::Measure { number, unit } if unit.is_none() => Ok(Literal::Measure { number, unit }),
                 _ => Err(LiteralFault::Unreadable),
             },
         },
@@ -161,13 +186,16 @@ fn prefixed(prefix: &str, rest: &str) -> Result<Literal, LiteralFault> {
     }
 }
 
-/// A number without a unit: a real one if it is written with a point or an exponent.
-fn plain(text: &str, number: Decimal) -> Result<Literal, LiteralFault> {
-    if text.contains(['.', 'e', 'E']) {
-        return Ok(Literal::Value(Value::Real(number.as_f64())));
-    }
-    let whole = number.as_whole().and_then(|whole| i64::try_from(whole).ok());
-    whole.map(|whole| Literal::Value(Value::Int(whole))).ok_or(LiteralFault::Digits)
+/// A number without a unit: a real one if it is written with a point or an exponent. One that neither a float nor 64 bits with a
+/// sign hold stays as it is written.
+fn plain(text: &str, number: Decimal) -> Literal {
+    let value = match text.contains(['.', 'e', 'E']) {
+        true => {
+            Some(number.as_f64()).filter(|real| Decimal::from_f64(*real) == Some(number)).map(Value::Real)
+        }
+        false => number.as_whole().and_then(|whole| i64::try_from(whole).ok()).map(Value::Int),
+    };
+    value.map_or(Literal::Measure { number, unit: Unit::NONE }, Literal::Value)
 }
 
 impl From<Quantity> for Literal {
@@ -215,11 +243,26 @@ mod tests {
     }
 
     #[test]
+    fn numbers_beyond_64_bits_and_every_float_are_what_is_written() {
+        let read = |text: &str| Literal::parse(text).unwrap();
+        for text in
+            ["18446744073709551614", "-9223372036854775809", "18446744073709551616", "18446744073709551614.5"]
+        {
+            assert_eq!(read(text).to_string(), text);
+            assert_eq!(Literal::of(&Node::new(0..0, Data::Float(text.into()))), Ok(read(text)));
+        }
+        assert_eq!(read("ULINT#18446744073709551615").value(), Some(Value::Word(u64::MAX)));
+        assert_eq!(read("18446744073709551616").value(), None);
+        assert_eq!(read("18446744073709551614.0").as_quantity(), read("18446744073709551614").as_quantity());
+        assert_eq!(read("0.1234567890123456789").value(), Some(Value::Real(0.123_456_789_012_345_68)));
+    }
+
+    #[test]
     fn what_is_no_value_says_why() {
         assert_eq!(Literal::parse("16#GG"), Err(LiteralFault::Digits));
         assert_eq!(Literal::parse("16#+1"), Err(LiteralFault::Digits));
         assert_eq!(Literal::parse("16#10000000000000000"), Err(LiteralFault::Digits));
-        assert_eq!(Literal::parse("99999999999999999999"), Err(LiteralFault::Digits));
+        assert_eq!(Literal::parse("9999999999999999999999999999999"), Err(LiteralFault::Digits));
         assert_eq!(Literal::parse("INT#5 ms"), Err(LiteralFault::Unreadable));
         assert_eq!(Literal::parse("4 .. 20 mA"), Err(LiteralFault::Unreadable));
         assert_eq!(Literal::parse("T#5"), Err(LiteralFault::Duration));
