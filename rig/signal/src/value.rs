@@ -104,7 +104,9 @@ impl PartialEq for Value {
             // The common case first: the trace compares every pushed value with the last one.
             (Value::Bool(a), Value::Bool(b)) => a == b,
             (Value::Real(a), Value::Real(b)) => a.to_bits() == b.to_bits(),
-            (Value::Real(a), b) | (b, Value::Real(a)) => b.as_int().is_some_and(|n| *a == n as f64),
+            (Value::Real(a), b) | (b, Value::Real(a)) => {
+                b.as_int().is_some_and(|n| *a == n as f64 && *a as i128 == n)
+            }
             (Value::Measured(a, to), Value::Measured(b, by)) => {
                 a.to_bits() == b.to_bits() && to.to_bits() == by.to_bits()
             }
@@ -177,6 +179,12 @@ mod tests {
         assert_eq!(fine, Value::measured(1.0, 0.1));
         assert!(fine != coarse && fine != Value::Real(1.0) && Value::Int(1) != fine);
         assert_eq!((fine.as_real(), fine.as_int(), fine.as_bool()), (Some(1.0), None, None));
+    }
+
+    #[test]
+    fn a_whole_number_that_no_float_is_equals_none() {
+        assert!(Value::Int(1 << 60) == Value::Real((1_u64 << 60) as f64));
+        assert!(Value::Int((1 << 60) + 1) != Value::Real((1_u64 << 60) as f64));
     }
 
     proptest! {

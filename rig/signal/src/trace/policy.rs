@@ -10,6 +10,10 @@ use crate::{Event, Policy, Sampling, SignalId, SignalInfo, Span, Time, Value, Wh
 #[inline]
 pub(super) fn keeps(policy: Policy, last: Event, event: &Event) -> bool {
     let Policy::Deadband(band) = policy else { return true };
+    if let (Some(old), Some(new)) = (last.value.as_int(), event.value.as_int()) {
+        // Large whole numbers are floats only nearly.
+        return old.abs_diff(new) > band as u128;
+    }
     match (last.value.as_real(), event.value.as_real()) {
         // Not a number is no distance: such a change is kept.
         // What is known less well has to be said, as far as the band does not cover it.

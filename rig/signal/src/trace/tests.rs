@@ -407,6 +407,7 @@ fn policies_keep_what_they_say() {
         trace.define(SignalInfo { policy, ..SignalInfo::exact(name, kind) }).unwrap()
     };
     let band = signal("band", ValueKind::Real, Policy::Deadband(0.5));
+    let large = signal("large", ValueKind::Int, Policy::Deadband(1.5));
     let mark = signal("mark", ValueKind::Mark, Policy::AtMostEvery(Span::from_nanos(10)));
     let bool = signal("bool", ValueKind::Bool, Policy::Changes);
     let mut push = |signal, at, value| trace.push(change(signal, at, value)).unwrap().is_some();
@@ -419,6 +420,10 @@ fn policies_keep_what_they_say() {
     assert!(push(band, 4, Value::Real(1.6)));
     assert!(push(band, 5, Value::Real(f64::NAN)));
     assert!(!push(band, 6, Value::Real(f64::NAN)));
+    assert!(push(large, 7, Value::Int(1 << 60)));
+    assert!(!push(large, 8, Value::Int((1 << 60) + 1)));
+    assert!(push(large, 9, Value::Int((1 << 60) + 2)), "two more, though both are one float");
+    assert!(push(large, 10, Value::Int(i64::MIN)));
     assert!(push(mark, 19, Value::Int(1)) && push(mark, 19, Value::Int(1)));
     assert!(push(bool, 20, Value::Bool(false)), "the first value is no change, but the start of knowing it");
     assert!(!push(bool, 21, Value::Bool(false)));
