@@ -42,7 +42,7 @@ pub(crate) fn is_high_z(literal: &Literal) -> bool {
 ///
 /// # Errors
 /// Why it has no meaning for the signal.
-pub(crate) fn number(literal: &Literal, info: &SignalInfo) -> Result<Number, String> {
+pub fn number(literal: &Literal, info: &SignalInfo) -> Result<Number, String> {
     match literal {
         Literal::Value(Value::Real(real)) => Ok(Number::Real(*real)),
         Literal::Value(value) => match value.as_int() {

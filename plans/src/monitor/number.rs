@@ -51,7 +51,8 @@ impl Number {
         }
     }
 
-    pub(crate) fn of(value: Value) -> Option<Number> {
+    /// The number of a value; `None` for one that is none.
+    pub fn of(value: Value) -> Option<Number> {
         match value {
             Value::Real(real) | Value::Measured(real, _) => Some(Number::Real(real)),
             other => other.as_int().map(Number::Int),
@@ -106,8 +107,8 @@ impl Number {
         }
     }
 
-    /// `None` only for a NaN.
-    pub(crate) fn compare(self, other: Number) -> Option<Ordering> {
+    /// How the two compare, exactly; `None` only for a NaN.
+    pub fn compare(self, other: Number) -> Option<Ordering> {
         match (self, other) {
             (Number::Int(a), Number::Int(b)) => Some(a.cmp(&b)),
             (Number::Quotient(a, by), Number::Quotient(b, to)) => {
@@ -142,12 +143,12 @@ impl Number {
     }
 
     /// Whether it is less; a NaN is not.
-    pub(crate) fn is_below(self, other: Number) -> bool {
+    pub fn is_below(self, other: Number) -> bool {
         self.compare(other) == Some(Ordering::Less)
     }
 
     /// Whether it is more; a NaN is not.
-    pub(crate) fn is_above(self, other: Number) -> bool {
+    pub fn is_above(self, other: Number) -> bool {
         self.compare(other) == Some(Ordering::Greater)
     }
 

@@ -313,25 +313,22 @@ fn awaited(
     step: &PlanStep,
     out: &mut Findings,
 ) -> Option<AwaitedChange> {
-    let mut value = |literal: &Literal| {
-        let value = plans::value_of(literal, info).ok();
-        if value.is_none() {
-            let message = format!("`{}` cannot have this value", info.name);
-            let labels: Vec<&str> = info.labels.iter().map(|(_, label)| label.as_str()).collect();
-            let help =
-                if labels.is_empty() { String::new() } else { format!("it can be {}", labels.join(", ")) };
-            out.error(codes::VALUE_MISFIT, step.span.clone(), message, help);
-        }
-        value
+    let limit = |literal: &Literal| plans::number_of(literal, info).ok();
+    let change = match awaits {
+        StepCondition::Becomes(literal) => plans::value_of(literal, info).ok().map(AwaitedChange::Becomes),
+        StepCondition::Rises => Some(AwaitedChange::Rises),
+        StepCondition::Falls => Some(AwaitedChange::Falls),
+        StepCondition::Changes => Some(AwaitedChange::Changes),
+        StepCondition::Above(literal) => limit(literal).map(AwaitedChange::Above),
+        StepCondition::Below(literal) => limit(literal).map(AwaitedChange::Below),
     };
-    Some(match awaits {
-        StepCondition::Becomes(literal) => AwaitedChange::Becomes(value(literal)?),
-        StepCondition::Rises => AwaitedChange::Rises,
-        StepCondition::Falls => AwaitedChange::Falls,
-        StepCondition::Changes => AwaitedChange::Changes,
-        StepCondition::Above(literal) => AwaitedChange::Above(value(literal)?.as_real()?),
-        StepCondition::Below(literal) => AwaitedChange::Below(value(literal)?.as_real()?),
-    })
+    if change.is_none() {
+        let message = format!("`{}` cannot have this value", info.name);
+        let labels: Vec<&str> = info.labels.iter().map(|(_, label)| label.as_str()).collect();
+        let help = if labels.is_empty() { String::new() } else { format!("it can be {}", labels.join(", ")) };
+        out.error(codes::VALUE_MISFIT, step.span.clone(), message, help);
+    }
+    change
 }
 
 fn boolean(literal: &Literal) -> Option<bool> {

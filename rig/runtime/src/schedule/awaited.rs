@@ -1,5 +1,8 @@
 //! What a step waits for, and whether a change is that.
 
+use std::cmp::Ordering;
+
+use plans::monitor::Number;
 use signal::Value;
 
 /// What an awaited step waits for.
@@ -14,15 +17,15 @@ pub enum AwaitedChange {
     /// It changes.
     Changes,
     /// It moves from at or below to above this.
-    Above(f64),
+    Above(Number),
     /// It moves from at or above to below this.
-    Below(f64),
+    Below(Number),
 }
 
 impl AwaitedChange {
     /// Whether a change of the signal is what is waited for.
     pub fn met(self, before: Option<Value>, value: Value) -> bool {
-        let real = |value: Option<Value>| value.and_then(Value::as_real);
+        let number = |value: Option<Value>| value.and_then(Number::of);
         match self {
             AwaitedChange::Becomes(wanted) => value == wanted,
             AwaitedChange::Rises => {
@@ -33,13 +36,29 @@ impl AwaitedChange {
             }
             AwaitedChange::Changes => true,
             AwaitedChange::Above(limit) => {
-                real(Some(value)).is_some_and(|now| now > limit)
-                    && real(before).is_none_or(|then| then <= limit)
+                number(Some(value)).is_some_and(|now| now.is_above(limit))
+                    && number(before).is_none_or(|then| then.compare(limit).is_some_and(Ordering::is_le))
             }
             AwaitedChange::Below(limit) => {
-                real(Some(value)).is_some_and(|now| now < limit)
-                    && real(before).is_none_or(|then| then >= limit)
+                number(Some(value)).is_some_and(|now| now.is_below(limit))
+                    && number(before).is_none_or(|then| then.compare(limit).is_some_and(Ordering::is_ge))
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_is_crossed_beyond_every_float() {
+        let above = AwaitedChange::Above(Number::Int((1 << 62) + 1));
+        let met = |before, now| above.met(Some(Value::Int(before)), Value::Int(now));
+        assert!(met((1 << 62) + 1, (1 << 62) + 2));
+        assert!(!met(1 << 62, (1 << 62) + 1) && !met((1 << 62) + 2, (1 << 62) + 3));
+        let below = AwaitedChange::Below(Number::Real(0.3));
+        assert!(below.met(Some(Value::Real(0.3)), Value::Real(0.2)));
+        assert!(!below.met(Some(Value::Real(f64::NAN)), Value::Real(0.2)));
     }
 }
