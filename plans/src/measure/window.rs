@@ -122,7 +122,10 @@ impl WindowMeasurement {
             WindowFigure::Value(Statistic::Min | Statistic::Max | Statistic::Span) => {
                 WindowFollower::Values(Box::new(Extremes::new(window)))
             }
-            WindowFigure::Value(_) => WindowFollower::Values(Box::new(Extremes::new(window).with_means())),
+            WindowFigure::Value(take) => {
+                let squares = take == Statistic::Rms;
+                WindowFollower::Values(Box::new(Extremes::new(window).with_mean(squares)))
+            }
             WindowFigure::Speed => WindowFollower::Speed(Box::new(SpeedFollower::new(window))),
         };
         WindowMeasurement { window, figure, follow, end, slack }
@@ -243,12 +246,11 @@ impl WindowMeasurement {
                 let (low, high) = match take {
                     Statistic::Min => found.least,
                     Statistic::Max => found.most,
-                    Statistic::Rms => found.means.map_or(found.most, |(_, rms)| rms),
                     Statistic::Span => (
                         found.most.0.minus(found.least.1).most(Number::ZERO),
                         found.most.1.minus(found.least.0),
                     ),
-                    Statistic::First | Statistic::Mean => found.means.map_or(found.most, |(mean, _)| mean),
+                    Statistic::First | Statistic::Mean | Statistic::Rms => found.mean.unwrap_or(found.most),
                 };
                 let slack = Number::Real(if take == Statistic::Span { 2.0 * slack } else { slack });
                 let record = judge(record, bounds, (low.minus(slack), high.plus(slack)));

@@ -67,8 +67,8 @@ pub struct Summary {
     pub(crate) least: Extent,
     /// The greatest value.
     pub(crate) most: Extent,
-    /// The mean over the time and the root of the mean square, where they were asked for.
-    pub(crate) means: Option<(Extent, Extent)>,
+    /// The mean over the time, or the root of the mean square, where it was asked for.
+    pub(crate) mean: Option<Extent>,
     /// Where the least and the greatest value began.
     pub at: (TimedValue, TimedValue),
     /// For a part of the window the value is not known, or no number.
@@ -90,10 +90,10 @@ impl Extremes {
         }
     }
 
-    /// The same with the means over the time.
+    /// The same with the mean over the time, or with `squares` the root of the mean square.
     #[must_use]
-    pub(crate) fn with_means(self) -> Extremes {
-        Extremes { means: Some(Box::new(Means::NONE)), ..self }
+    pub(crate) fn with_mean(self, squares: bool) -> Extremes {
+        Extremes { means: Some(Box::new(Means::new(squares))), ..self }
     }
 
     /// The window's end is still to come, at `now` or later.
@@ -159,7 +159,7 @@ impl Extremes {
         Some(Summary {
             least,
             most,
-            means: self.means.map(|means| means.finish((low, high), longest)),
+            mean: self.means.map(|means| means.finish((low, high), longest)),
             at,
             unknown: self.unknown,
         })

@@ -23,13 +23,11 @@ struct TimeSum {
 impl TimeSum {
     const NONE: TimeSum = TimeSum { exact: Some(Decimal::ZERO), near: 0.0, size: 0.0 };
 
-    fn add(&mut self, value: Number, nanos: i64) {
-        let product = |value: Decimal| value.times(Decimal::from(i128::from(nanos)));
-        self.exact = match (self.exact, value.as_decimal()) {
-            (Some(sum), Some(value)) => product(value).and_then(|product| sum.plus(product)),
-            _ => None,
-        };
-        let near = value.as_real() * nanos as f64;
+    /// A value, as a decimal number where it is known as one, and as a float.
+    fn add(&mut self, (value, near): (Option<Decimal>, f64), nanos: i64) {
+        let product = value.and_then(|value| value.times(Decimal::from(i128::from(nanos))));
+        self.exact = self.exact.zip(product).and_then(|(sum, product)| sum.plus(product));
+        let near = near * nanos as f64;
         (self.near, self.size) = (self.near + near, self.size + near.abs());
     }
 
@@ -48,18 +46,20 @@ impl TimeSum {
     }
 }
 
-/// The values of a window, weighed with the time that they last.
+/// The values of a window, or their squares, weighed with the time that they last.
 #[derive(Clone, Debug)]
 pub(super) struct Means {
-    /// Certain time in nanoseconds, and with it the sums of the values and of their squares: the least and the greatest
-    /// that they may be.
+    squares: bool,
+    /// Certain time in nanoseconds, and with it the sums: the least and the greatest that they may be.
     time: i64,
-    sum: [TimeSum; 2],
-    squares: [TimeSum; 2],
+    sums: [TimeSum; 2],
 }
 
 impl Means {
-    pub(super) const NONE: Means = Means { time: 0, sum: [TimeSum::NONE; 2], squares: [TimeSum::NONE; 2] };
+    /// For the mean, or with `squares` for the root of the mean square.
+    pub(super) const fn new(squares: bool) -> Means {
+        Means { squares, time: 0, sums: [TimeSum::NONE; 2] }
+    }
 
     /// A number of this extent lasts for so many nanoseconds.
     pub(super) fn add(&mut self, extent: Extent, nanos: i64) {
@@ -67,33 +67,38 @@ impl Means {
         self.weigh(extent, nanos);
     }
 
-    fn weigh(&mut self, (low, high): Extent, nanos: i64) {
-        let [least, most] = &mut self.sum;
-        least.add(low, nanos);
-        most.add(high, nanos);
-        let (near, far) = magnitudes((low, high));
-        let [least, most] = &mut self.squares;
-        least.add(near.times(near), nanos);
-        most.add(far.times(far), nanos);
+    fn weigh(&mut self, extent: Extent, nanos: i64) {
+        let (low, high) = if self.squares { magnitudes(extent) } else { extent };
+        let weighed = |number: Number, sum: &TimeSum| {
+            // Once there was no room there is no need to look.
+            let exact = sum.exact.and_then(|_| number.as_decimal());
+            match (self.squares, number.as_real()) {
+                (true, near) => (exact.and_then(|exact| exact.times(exact)), near * near),
+                (false, near) => (exact, near),
+            }
+        };
+        let least = weighed(low, &self.sums[0]);
+        let most = if low == high { least } else { weighed(high, &self.sums[1]) };
+        self.sums[0].add(least, nanos);
+        self.sums[1].add(most, nanos);
     }
 
-    /// Mean and root of the mean square in a window that lasts for at most so many nanoseconds, when what is not certain of it
-    /// may be any of these values.
-    pub(super) fn finish(mut self, possible: Extent, longest: i64) -> (Extent, Extent) {
+    /// The mean, or the root, in a window that lasts for at most so many nanoseconds, when what is not certain of it may be any of
+    /// these values.
+    pub(super) fn finish(mut self, possible: Extent, longest: i64) -> Extent {
         let whole = longest.max(self.time);
         if whole <= 0 {
-            return (possible, magnitudes(possible));
+            return if self.squares { magnitudes(possible) } else { possible };
         }
         self.weigh(possible, whole.saturating_sub(self.time));
-        let between = |[least, most]: [TimeSum; 2]| (least.over(whole).0, most.over(whole).1);
-        let (low, high) = between(self.squares);
-        (between(self.sum), (root(low).0, root(high).1))
+        let (low, high) = (self.sums[0].over(whole).0, self.sums[1].over(whole).1);
+        if self.squares { (root(low).0, root(high).1) } else { (low, high) }
     }
 }
 
 /// The least and the greatest magnitude of the numbers of an extent.
 fn magnitudes((low, high): Extent) -> Extent {
-    let (first, last) = (low.apart(Number::ZERO), high.apart(Number::ZERO));
+    let (first, last) = (low.abs(), high.abs());
     let both = !low.is_above(Number::ZERO) && !high.is_below(Number::ZERO);
     (if both { Number::ZERO } else { first.least(last) }, first.most(last))
 }
@@ -113,8 +118,8 @@ fn root(square: Number) -> Extent {
 mod tests {
     use super::*;
 
-    fn over(values: &[(f64, i64)]) -> (Extent, Extent) {
-        let mut means = Means::NONE;
+    fn over(squares: bool, values: &[(f64, i64)]) -> Extent {
+        let mut means = Means::new(squares);
         values
             .iter()
             .for_each(|(value, nanos)| means.add((Number::Real(*value), Number::Real(*value)), *nanos));
@@ -124,21 +129,32 @@ mod tests {
     #[test]
     fn means_of_decimals_are_decimals() {
         let same = |number: Number| (number, number);
-        let (mean, root) = over(&[(0.1, 10), (0.2, 10)]);
-        assert_eq!(mean, same(Number::Real(0.15)));
+        assert_eq!(over(false, &[(0.1, 10), (0.2, 10)]), same(Number::Real(0.15)));
+        let root = over(true, &[(0.1, 10), (0.2, 10)]);
         assert!(root.0.times(root.0).is_below(Number::Real(0.025)));
         assert!(root.1.times(root.1).is_above(Number::Real(0.025)));
-        assert_eq!(over(&[(0.7, 3), (0.7, 4)]), (same(Number::Real(0.7)), same(Number::Real(0.7))));
-        let third = over(&[(1.0, 1), (0.0, 2)]).0;
+        for squares in [false, true] {
+            assert_eq!(over(squares, &[(0.7, 3), (0.7, 4)]), same(Number::Real(0.7)));
+            assert_eq!(over(squares, &[]), same(Number::ZERO));
+        }
+        assert_eq!(over(true, &[(-0.7, 3), (0.7, 4)]), same(Number::Real(0.7)));
+        let third = over(false, &[(1.0, 1), (0.0, 2)]);
         assert!(third.0.as_real() < 1.0 / 3.0 && third.1.as_real() > 1.0 / 3.0);
-        assert_eq!(over(&[]).0, same(Number::ZERO));
+    }
+
+    #[test]
+    fn a_sum_without_room_is_an_interval() {
+        let third = (1.0 / 3.0, 1 << 40);
+        let found = over(true, &[third, (1e-9 / 7.0, 1 << 40)]);
+        assert!(found.0.as_real() < found.1.as_real());
+        assert!((found.0.as_real() - found.1.as_real()).abs() < 1e-9);
     }
 
     #[test]
     fn a_mean_of_large_whole_numbers_is_whole() {
-        let mut means = Means::NONE;
+        let mut means = Means::new(false);
         let large = Number::Int((1 << 62) + 1);
         means.add((large, large), 1 << 40);
-        assert_eq!(means.finish((large, large), 1 << 40).0, (large, large));
+        assert_eq!(means.finish((large, large), 1 << 40), (large, large));
     }
 }

@@ -184,6 +184,17 @@ impl Number {
         exact.unwrap_or_else(|| Number::Real(self.as_real() - other.as_real()))
     }
 
+    /// The number without its sign.
+    #[must_use]
+    pub(crate) fn abs(self) -> Number {
+        match self {
+            Number::Int(n) => Number::Int(n.saturating_abs()),
+            Number::Real(r) => Number::Real(r.abs()),
+            Number::Decimal(exact) => Number::Decimal(exact.abs()),
+            Number::Quotient(over, under) => Number::Quotient(over.saturating_abs(), under),
+        }
+    }
+
     /// The product; as the sum.
     #[must_use]
     pub(crate) fn times(self, other: Number) -> Number {
