@@ -17,6 +17,8 @@ pub(crate) struct System {
     pub dates: Dates,
     pub rtc: Rtc,
     pub clocks: Clocks,
+    /// Events that configured inputs raised; counts round (plcsystem:PLCR-11).
+    pub events: u16,
     /// PLC_W.q_wPLCControl and PLC_W.q_uiOpenPLCControl.
     pub control: u16,
     pub open: u16,
@@ -35,6 +37,7 @@ impl Default for System {
             dates: Dates::default(),
             rtc: Rtc::default(),
             clocks: Clocks::default(),
+            events: 0,
             control: 0,
             open: 0,
             first_cycle: FirstCycle::default(),

@@ -5,6 +5,8 @@
 pub enum SystemType {
     /// BOOL.
     Bool,
+    /// BYTE.
+    Byte,
     /// WORD.
     Word,
     /// UINT.
@@ -20,6 +22,7 @@ impl SystemType {
     pub const fn name(self) -> &'static str {
         match self {
             SystemType::Bool => "BOOL",
+            SystemType::Byte => "BYTE",
             SystemType::Word => "WORD",
             SystemType::Uint => "UINT",
             SystemType::Dword => "DWORD",
@@ -90,6 +93,10 @@ system_variables! {
     Clock100Ms = "PLC_R.i_x100msClk": Bool,
     /// A clock of 1 s.
     Clock1S = "PLC_R.i_x1sClk": Bool,
+    /// How many events configured inputs raised, 0 in an M251 (plcsystem:PLCR-11).
+    EventsCounter = "PLC_R.i_uiEventsCounter": Uint,
+    /// Which input is the Run/Stop input: n for In, FF hex for none; 0 in an M251 (plcsystem:PLCR-11).
+    RunStopInput = "PLC_R.i_ExpertIO_RunStop_Input": Byte,
     /// The key that has the command executed (controller:CMD-01).
     OpenPlcControl = "PLC_W.q_uiOpenPLCControl": Uint,
     /// The command (controller:CMD-01).

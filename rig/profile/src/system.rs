@@ -85,6 +85,10 @@ pub enum SystemField {
     SdCard,
     /// PLC_R.i_uiTM3BusState.
     Tm3Bus,
+    /// PLC_R.i_uiEventsCounter.
+    EventsCounter,
+    /// PLC_R.i_ExpertIO_RunStop_Input.
+    RunStopInput,
     /// PLC_W.q_wPLCControl.
     PlcControl,
     /// PLC_W.q_uiOpenPLCControl.
@@ -131,6 +135,8 @@ const FIELDS: &[(&str, SystemField, Option<u16>)] = &[
     ("PLC_R.i_wTerminalPortStatus", Field::TerminalPort, None),
     ("PLC_R.i_wSdCardStatus", Field::SdCard, None),
     ("PLC_R.i_uiTM3BusState", Field::Tm3Bus, None),
+    ("PLC_R.i_uiEventsCounter", Field::EventsCounter, None),
+    ("PLC_R.i_ExpertIO_RunStop_Input", Field::RunStopInput, None),
     ("PLC_W.q_wPLCControl", Field::PlcControl, None),
     ("PLC_W.q_uiOpenPLCControl", Field::OpenPlcControl, None),
     ("PLC_W.q_wResetCounterEvent", Field::Writable(0), None),

@@ -18,7 +18,11 @@ impl Controller {
         while let Some(event) = self.io.take_input_event(place) {
             place += 1;
             match event {
-                InputEvent::Event(input) => self.external_event(ExternalEventSource::Input(input), now, fx),
+                InputEvent::Event(input) => {
+                    self.system.events = self.system.events.wrapping_add(1);
+                    self.observe(class::STATE, now, Cause::Board, fx);
+                    self.external_event(ExternalEventSource::Input(input), now, fx);
+                }
                 InputEvent::RunStop(high) => self.turn_run_stop(high, now, fx),
                 InputEvent::Overdriven(input) => self.log_entry(now, LogEntry::Overdriven { input }, fx),
             }

@@ -67,5 +67,6 @@ impl Controller {
     /// PLC_W is 0 after every reset, download and boot; the application's own variables have their initial values.
     pub(super) fn clear_plc_w(&mut self) {
         (self.system.control, self.system.open) = (0, 0);
+        self.registers.set_writable(0, 0);
     }
 }

@@ -3,6 +3,7 @@
 
 use super::Controller;
 use crate::location::{memory_bytes, with_word, word_of};
+use crate::probes::class;
 use crate::registers::{Block, block, signature_word, word_address};
 use crate::relocation::{RelocationTable, RelocationTarget};
 use crate::{
@@ -149,6 +150,11 @@ impl Controller {
             SystemField::PlcControl => SystemVariable::PlcControl,
             SystemField::OpenPlcControl => SystemVariable::OpenPlcControl,
             SystemField::Writable(place) => {
+                // PLC_W.q_wResetCounterEvent acts as it goes from 0 to 1 (plcsystem:PLCR-11).
+                if (place, self.registers.writable(place), value) == (0, 0, 1) {
+                    self.system.events = 0;
+                    self.observe(class::STATE, now, Cause::Controller, fx);
+                }
                 self.registers.set_writable(place, value);
                 return;
             }
@@ -216,6 +222,8 @@ impl Controller {
             Field::Battery => self.system_word(SystemVariable::ClockBatteryStatus, word),
             Field::LastStopTime => self.system_word(SystemVariable::LastStopTime, word),
             Field::LastPowerOffDate => self.system_word(SystemVariable::LastPowerOffDate, word),
+            Field::EventsCounter => self.system_word(SystemVariable::EventsCounter, word),
+            Field::RunStopInput => self.system_word(SystemVariable::RunStopInput, word),
             Field::PlcControl => self.system_word(SystemVariable::PlcControl, word),
             Field::OpenPlcControl => self.system_word(SystemVariable::OpenPlcControl, word),
             Field::Signature(place) => part(signature_word(signature, place)),

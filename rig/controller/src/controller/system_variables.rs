@@ -3,6 +3,7 @@
 use super::Controller;
 use crate::probes::class;
 use crate::{Effects, Probe, SystemVariable};
+use profile::Family;
 use signal::{Cause, Time, Value};
 
 impl Controller {
@@ -27,6 +28,14 @@ impl Controller {
             SystemVariable::LastPowerOffDate => u64::from(system.dates.off),
             SystemVariable::Clock10Ms | SystemVariable::Clock100Ms | SystemVariable::Clock1S => {
                 return Value::Bool(system.clocks.level(variable, self.scheduler.now()));
+            }
+            SystemVariable::EventsCounter => u64::from(system.events),
+            SystemVariable::RunStopInput => {
+                match (self.config.reference.family, self.config.run_stop_input) {
+                    (Family::M251, _) => 0,
+                    (Family::M241, Some(input)) => input as u64,
+                    (Family::M241, None) => 0xFF,
+                }
             }
             SystemVariable::OpenPlcControl => u64::from(system.open),
             SystemVariable::PlcControl => u64::from(system.control),

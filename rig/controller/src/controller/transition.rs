@@ -65,6 +65,7 @@ impl Controller {
         self.io.restore_forced(forced);
         self.system.dates = Dates::load(self.files.store());
         self.system.boot_project = BootProjectStatus::None;
+        self.system.events = 0;
         self.power.stage = Some((0, now.saturating_add(BOOT_STAGES[0])));
         self.enter(State::Booting, now, fx);
     }

@@ -154,6 +154,7 @@ impl Catalogue {
         if let Some(variable) = SystemVariable::find(name) {
             let bits = match variable.ty() {
                 SystemType::Bool => 1,
+                SystemType::Byte => 8,
                 SystemType::Word | SystemType::Uint => 16,
                 SystemType::Dword => 32,
                 SystemType::Lword => 64,

@@ -78,6 +78,7 @@ mod tests {
             let found = program.find(variable.name()).unwrap();
             let ty = match variable.ty() {
                 controller::SystemType::Bool => Elementary::Bool,
+                controller::SystemType::Byte => Elementary::Byte,
                 controller::SystemType::Word => Elementary::Word,
                 controller::SystemType::Uint => Elementary::Uint,
                 controller::SystemType::Dword => Elementary::Dword,

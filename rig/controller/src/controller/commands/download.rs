@@ -96,6 +96,7 @@ impl Controller {
         self.memory.reset(|word| !new.associates(word));
         new.initialize(&mut self.memory);
         self.io.reset_functions(now);
+        self.system.events = 0;
         self.remanent.newest(self.files.store());
         self.remanent.prepare(&*new, boot, self.files.store_mut());
         self.remanent.save_now(&*new, &self.memory, self.files.store_mut());

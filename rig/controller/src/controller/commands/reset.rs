@@ -27,6 +27,7 @@ impl Controller {
         application.initialize(&mut self.memory);
         if reset == VariableReset::COLD {
             self.io.reset_functions(now);
+            self.system.events = 0;
         }
         self.clear_diagnostics(cause);
         self.initial_outputs(ApplicationStart::Reset, State::Stopped, now, fx);
