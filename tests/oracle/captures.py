@@ -41,6 +41,9 @@ def round_of(rig, folder, way, rng, report, wanted, filters):
         # Without limits there is no verdict, and no word of it.
         if claim is not None and (claim.group == "expect" or "limits" in claim.keys) and set(claim.names) <= set(SIGNALS):
             claims.append(claim)
+        elif len(able) < 4 and own.random() < 0.05:
+            # A scene may have nothing for so few verbs.
+            break
     if not claims:
         return
     made = {"c0": (scene, claims, own)}
