@@ -369,6 +369,8 @@ impl Replay<'_> {
     /// `first` is the first instant of the capture, `captured` its end.
     fn run(&mut self, first: Time, captured: When, start: Option<When>) -> Result<(), TraceError> {
         let mut waiting = start;
+        let mut ended = false;
+        let wires = self.wires;
         while let Some(change) = self.changes.get(self.next) {
             // What a channel is at the first instant it was before, too: that is no edge of a case that starts there.
             let initial = change.at.latest <= first;
@@ -380,11 +382,19 @@ impl Replay<'_> {
                 waiting = None;
             }
             self.settle(change.at.latest, true)?;
-            if self.schedule.end().is_some_and(|end| end < change.at.latest) {
-                break;
-            }
             self.next += 1;
-            for wire in self.wires.iter().filter(|wire| wire.channel == change.channel as usize) {
+            let own = wires.iter().filter(|wire| wire.channel == change.channel as usize);
+            if let Some(end) = self.schedule.end().filter(|end| *end < change.at.latest) {
+                if !std::mem::replace(&mut ended, true) {
+                    self.mark(self.end_mark, end)?;
+                }
+                // It may have come before the end all the same.
+                for wire in own.filter(|_| change.at.earliest <= end) {
+                    self.take(wire, change.at, change.value)?;
+                }
+                continue;
+            }
+            for wire in own {
                 self.change(wire, change.at, change.value)?;
             }
         }
@@ -402,7 +412,7 @@ impl Replay<'_> {
             }
             self.settle(end, false)?;
         }
-        self.mark(self.end_mark, end)
+        if ended { Ok(()) } else { self.mark(self.end_mark, end) }
     }
 
     fn start(&mut self, at: When) -> Result<(), TraceError> {
@@ -413,12 +423,8 @@ impl Replay<'_> {
 
     fn change(&mut self, wire: &ChannelMapping, at: When, value: Value) -> Result<(), TraceError> {
         let signal = SignalId(wire.signal as u32);
-        let Some(info) = self.trace.signals().get(wire.signal) else { return Ok(()) };
-        let value = fit(value, info.kind, &wire.error);
         let before = self.trace.last(signal).map(|event| event.value);
-        if !self.put(signal, at, value)? {
-            return Ok(());
-        }
+        let Some(value) = self.take(wire, at, value)? else { return Ok(()) };
         self.before[wire.signal] = before;
         if self.schedule.awaits(signal) {
             for step in self.left_open_by(signal, at, before, value) {
@@ -491,6 +497,13 @@ impl Replay<'_> {
             }
         }
         Ok(())
+    }
+
+    /// The value as the signal has it, if it is another.
+    fn take(&mut self, wire: &ChannelMapping, at: When, value: Value) -> Result<Option<Value>, TraceError> {
+        let Some(info) = self.trace.signals().get(wire.signal) else { return Ok(None) };
+        let value = fit(value, info.kind, &wire.error);
+        Ok(self.put(SignalId(wire.signal as u32), at, value)?.then_some(value))
     }
 
     fn put(&mut self, signal: SignalId, at: When, value: Value) -> Result<bool, TraceError> {
@@ -571,3 +584,6 @@ impl Replay<'_> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;
