@@ -13,14 +13,14 @@ use runtime::case::capture_import::{self, CaseLayout, ChannelMapping, Instants};
 use runtime::case::rejudge;
 use runtime::suite::instrument_file::{InstrumentFile, load_instrument};
 use runtime::suite::{self, Disk, Job, LoadedPlan};
-use signal::{Span, When};
+use signal::{Span, Trace, When};
 
 /// Reads the capture and judges it by the plan.
 pub fn judge(
     args: &JudgeArgs,
     format: CaptureFormat,
     sources: &mut Vec<SourceFile>,
-) -> Result<CaseRecord, Vec<Diagnostic>> {
+) -> Result<(CaseRecord, Trace), Vec<Diagnostic>> {
     let mut capture = read(args, format).map_err(|found| vec![found])?;
     let instrument = instrument(args, &capture, sources)?;
     let (loaded, seed) = load(args, &capture, sources)?;
@@ -53,7 +53,7 @@ pub fn judge(
     let trace = capture_import::trace(layout, &case, &files, &capture, &wires, instants.as_ref(), known);
     let trace = trace
         .map_err(|error| vec![Diagnostic::error("R0170", format!("the capture makes no trace: {error}"))])?;
-    rejudge::judge_gathered(loaded.plan.text(), &trace)
+    Ok((rejudge::judge_gathered(loaded.plan.text(), &trace)?, trace))
 }
 
 /// The instrument file, where there is one.

@@ -6,11 +6,14 @@ mod mapping;
 
 use crate::exit::ExitStatus;
 use crate::output;
-use clap::Args;
+use crate::saved_runs::provenance;
+use crate::saved_runs::report_folder::{ReportFolder, ReportFormat};
+use clap::{Args, ValueEnum};
 use document::file::{self, FileFault};
 use document::{Diagnostic, SourceFile};
-use record::CaseRecord;
+use record::{CaseRecord, RunClock, RunRecord};
 use reports::text::{Style, case_line, details};
+use runtime::case::rejudge;
 use runtime::suite::{self, Disk};
 use signal::{LoadLimits, Trace};
 use std::fs::File;
@@ -25,6 +28,9 @@ pub struct JudgeArgs {
     /// The trace that a run recorded (`--report DIR` writes it to `DIR/traces`), or a capture of another instrument:
     /// a value change dump, a table (`.csv`, `.tsv`) or a sigrok session (`.sr`).
     pub trace: PathBuf,
+    /// Leave the reports in this folder, as `rig test` does.
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
     /// How to read a capture.
     #[command(flatten)]
     pub capture: CaptureArgs,
@@ -103,17 +109,37 @@ fn try_run(args: &JudgeArgs) -> Result<ExitStatus, ExitStatus> {
                 let help = "leave out what describes a capture: --case, --map, --start, --at, --period, --instrument, --board, --param";
                 return Err(output::refuse(NOT_JUDGED, what, help));
             }
-            own(&args.plan, &trace, &mut sources)
+            own(&args.plan, &trace, &mut sources).map(|record| (record, trace))
         }
     };
-    let record = judged.map_err(|found| {
+    let (record, trace) = judged.map_err(|found| {
         output::findings(&found, &sources);
         ExitStatus::UserFiles
     })?;
     let style = Style { color: output::color_out(), quiet: false };
     let (line, details) = (case_line(&record, style), details(&record, style));
     output::print(&format!("{}\n{details}  trace  {}\n", line.trim_end(), record.trace_sha256));
-    Ok(ExitStatus::of(record.verdict))
+    let exit = ExitStatus::of(record.verdict);
+    if let Some(folder) = &args.report {
+        let page = report(folder, record, &trace)
+            .map_err(|why| output::refuse("R0167", why, "name a folder that can be written to"))?;
+        output::print(&format!("  report {page}\n"));
+    }
+    Ok(exit)
+}
+
+/// Leaves record, trace and reports in a folder; gives the path of the page.
+fn report(folder: &Path, mut record: CaseRecord, trace: &Trace) -> Result<String, String> {
+    let mut folder = ReportFolder::new(folder)?;
+    rejudge::add_excerpts(&mut record, trace);
+    record.trace_file = Some(folder.trace(&record, trace)?);
+    let clock = if trace.note("clock") == Some("real") { RunClock::Real } else { RunClock::Virtual };
+    let mut run = RunRecord::new(env!("CARGO_PKG_VERSION"), provenance::now(record.seed, clock));
+    run.planned = 1;
+    run.push(record);
+    folder.record(&run)?;
+    folder.reports(&run, ReportFormat::value_variants())?;
+    Ok(folder.path("index.html"))
 }
 
 fn load(file: File) -> Result<Trace, String> {
@@ -127,5 +153,5 @@ fn load(file: File) -> Result<Trace, String> {
 }
 
 fn own(plan: &Path, trace: &Trace, sources: &mut Vec<SourceFile>) -> Result<CaseRecord, Vec<Diagnostic>> {
-    runtime::case::rejudge::judge_gathered(&suite::gather(&Disk, &plan.to_string_lossy(), sources)?, trace)
+    rejudge::judge_gathered(&suite::gather(&Disk, &plan.to_string_lossy(), sources)?, trace)
 }

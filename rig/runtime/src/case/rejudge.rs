@@ -1,15 +1,15 @@
 //! Verdicts again from a recorded trace alone.
 
 use crate::case::capture_import::{INSTRUMENT_NOTE, INSTRUMENT_TEXT_NOTE};
-use crate::case::verdict;
+use crate::case::{lanes, verdict};
 use crate::codes;
 use crate::schedule::case_ending::CaseEnding;
 use crate::suite::{describe, instrument_file};
 use document::{Diagnostic, SourceFile};
 use plans::judge::CaseJudge;
 use plans::plan::{GlobalChecks, PlanText};
-use record::CaseRecord;
-use signal::{Time, Trace, When};
+use record::{CaseRecord, StepRecord};
+use signal::{SignalId, Time, Trace, ValueKind, When};
 
 /// Judges a trace by its plan, which names no tables: the same verdicts as in the run that recorded it.
 ///
@@ -91,6 +91,19 @@ pub fn judge_gathered(text: &PlanText, trace: &Trace) -> Result<CaseRecord, Vec<
         record.reason = reason.trim().to_owned();
     }
     Ok(record)
+}
+
+/// Adds to the record what reports draw of the trace: excerpts of its signals, and when its steps came.
+pub fn add_excerpts(record: &mut CaseRecord, trace: &Trace) {
+    const ANCHORS: [&str; 5] = ["start", "main", "end", "teardown", "setup"];
+    for (place, info) in trace.signals().iter().enumerate().filter(|(_, info)| info.kind == ValueKind::Mark) {
+        let id = info.name.strip_prefix("step:").filter(|id| !id.contains('.') && !ANCHORS.contains(id));
+        let Some(id) = id else { continue };
+        let came = trace.last(SignalId(place as u32)).map(|event| event.at);
+        let at_ns = came.map(|at| [at.earliest.as_nanos(), at.latest.as_nanos()]);
+        record.steps.push(StepRecord { id: id.to_owned(), at_ns, ..StepRecord::default() });
+    }
+    record.lanes = lanes::excerpts(record, trace);
 }
 
 /// The invariants and alarms of suites and the board that the run held against its cases.
