@@ -342,3 +342,24 @@ fn a_real_controller_turns_the_directions_round() {
         assert_eq!((file.lines.power, file.lines.alarm), (file.find("supply"), file.find("Q3")));
     }
 }
+
+#[test]
+fn what_values_cover_is_a_bound_unless_the_file_or_the_noise_says_otherwise() {
+    let text = "format = 1\n[board]\nkind = \"real\"\n[converters]\n\
+                one = { kind = \"spi\", path = \"/dev/spidev0.0\", part = \"mcp3208\", reference = \"3.3 V\" }\n\
+                many = { kind = \"spi\", path = \"/dev/spidev0.1\", part = \"mcp3208\", reference = \"3.3 V\", oversample = 16 }\n\
+                [channels]\n\
+                a = { kind = \"analog\", unit = \"V\", converter = \"one\", input = 0, accuracy = { plus = \"10 mV\" } }\n\
+                b = { kind = \"analog\", unit = \"V\", converter = \"one\", input = 1, accuracy = { plus = \"10 mV\", coverage = \"k = 2\" } }\n\
+                c = { kind = \"analog\", unit = \"V\", converter = \"many\", input = 0 }\n\
+                d = { kind = \"analog\", unit = \"V\", converter = \"many\", input = 1, accuracy = { of-value = \"1 %\", coverage = \"k = 2\" } }\n";
+    let file = read(&SourceFile::new("b.toml", text), &levels).unwrap_or_else(|found| panic!("{found:#?}"));
+    let stated: Vec<(String, String)> = file
+        .coverages()
+        .into_iter()
+        .map(|(channel, words)| (file.circuit.channels[usize::from(channel.0)].name.clone(), words))
+        .collect();
+    let known = [("b", "k = 2"), ("c", "95 %"), ("d", "95 %, k = 2")];
+    assert_eq!(stated, known.map(|(channel, words)| (channel.to_owned(), words.to_owned())));
+    assert!(good().coverages().is_empty());
+}

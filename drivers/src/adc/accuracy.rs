@@ -1,6 +1,6 @@
 //! How far what a channel shows may lie from what it measures.
 
-use signal::Coverage;
+use signal::{Coverage, Decimal};
 
 /// What a board file says of the errors of an input and of all that lies in front of it, in the channel's unit after its
 /// calibration. They add up.
@@ -43,6 +43,11 @@ const STUDENT: [f64; 30] = [
 const MANY: f64 = 2.04;
 
 impl Noise {
+    /// What [`Noise::of_mean`] covers.
+    pub fn coverage() -> Coverage {
+        Coverage::Probability(Decimal::from(95))
+    }
+
     /// How far the mean may lie from the quantity, in 95 of 100 readings: the expanded uncertainty of the Guide to the
     /// expression of uncertainty in measurement (GUM), with Student's factor for the few samples that there are.
     pub fn of_mean(self) -> f64 {

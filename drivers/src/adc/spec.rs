@@ -1,8 +1,8 @@
 //! What a board file says of converters.
 
-use super::{Certificate, Scale, iio, spi};
+use super::{Accuracy, Certificate, Noise, Scale, iio, spi};
 use crate::ChannelId;
-use signal::Span;
+use signal::{Coverage, Span};
 use std::ops::Range;
 
 /// The converters of a board, and the channels behind their inputs.
@@ -24,6 +24,21 @@ impl AdcsSpec {
     /// The inputs of a converter, by its place.
     pub fn inputs_of(&self, converter: usize) -> Vec<SampleSpec> {
         self.samples.iter().filter(|sample| sample.converter == converter).cloned().collect()
+    }
+}
+
+impl AdcsSpec {
+    /// What the uncertainty of a channel's values covers: its accuracy as the file states it, and the noise of its readings
+    /// where a reading is a mean of several.
+    pub fn coverage_of(&self, sample: &SampleSpec) -> Vec<Coverage> {
+        let Accuracy { of_value, of_range, plus, coverage } = sample.scale.accuracy;
+        let stated = (of_value + of_range + plus > 0.0).then_some(coverage);
+        let kind = self.converters.get(sample.converter).map(|converter| &converter.kind);
+        let noise = match kind {
+            Some(AdcKind::Spi(spi)) if spi.oversample > 1 => Some(Noise::coverage()),
+            _ => None,
+        };
+        stated.into_iter().chain(noise).collect()
     }
 }
 

@@ -20,7 +20,7 @@ mod subject;
 
 use document::Diagnostic;
 use signal::calendar::Date;
-use signal::{Address, Area, Size};
+use signal::{Address, Area, Coverage, Size};
 
 use crate::adc::{AdcsSpec, Calibrated, calibrated};
 use crate::channel_table::ChannelTable;
@@ -186,6 +186,15 @@ impl BoardFile {
                 spec.of::<AdcsSpec>().map_or_else(Vec::new, of)
             }
         }
+    }
+
+    /// What the uncertainty of the channels' values covers, where that is no bound: `95 %`, as records say it.
+    pub fn coverages(&self) -> Vec<(ChannelId, String)> {
+        let BoardKind::Real(spec) = &self.kind else { return Vec::new() };
+        let Some(spec) = spec.of::<AdcsSpec>() else { return Vec::new() };
+        let stated = spec.samples.iter().map(|sample| (sample.channel, spec.coverage_of(sample)));
+        let stated = stated.filter(|(_, list)| list.iter().any(|one| *one != Coverage::Limits));
+        stated.map(|(channel, list)| (channel, Coverage::together(list))).collect()
     }
 
     /// The channel that a terminal is wired to.

@@ -4,9 +4,9 @@ use crate::subject::{Subject, SubjectExt};
 use crate::suite::case_files::CaseFiles;
 use crate::wiring::Wiring;
 use document::Joined;
-use drivers::Channel;
+use drivers::{BoardFile, Channel};
 use plans::Case;
-use plans::judge::counts_note;
+use plans::judge::{INSTANTS_COVERAGE_NOTE, counts_note, coverage_note};
 use plans::plan::DelayModel;
 use plans::steps::ProgramRef;
 use plans::steps::{DisturbanceKind, FileOperation, LineFault, PlanCommand, Stimulus, StimulusShape};
@@ -97,6 +97,26 @@ pub fn promises(trace: &mut Trace, wiring: &Wiring, channels: &[Channel]) {
                 trace.set_note(&counts_note(&info.name), hz.to_string());
             }
         }
+    }
+}
+
+/// Writes into the trace what the values of real channels cover where that is no bound, and with them the instants of steps
+/// that may wait for one of them.
+pub fn coverages(trace: &mut Trace, wiring: &Wiring, board: &BoardFile, case: &Case) {
+    let stated = board.coverages();
+    for (channel, words) in &stated {
+        let signals = wiring.channels.get(usize::from(channel.0)).map_or(&[][..], Vec::as_slice);
+        let names: Vec<String> = signals
+            .iter()
+            .filter_map(|signal| trace.signals().get(signal.0 as usize).map(|info| info.name.clone()))
+            .collect();
+        for name in names {
+            trace.set_note(&coverage_note(&name), words.clone());
+        }
+    }
+    if !stated.is_empty() && case.scenario().steps.iter().any(|step| step.awaited.is_some()) {
+        let words: Vec<&str> = stated.iter().map(|(_, words)| words.as_str()).collect();
+        trace.set_note(INSTANTS_COVERAGE_NOTE, words.join(", "));
     }
 }
 
