@@ -134,6 +134,8 @@ def read_tables(folder, record):
             if part == "measurements":
                 low = float(entry["value"][0]) if "value" in entry else None
                 check(f"{name}: value in {case}", field(row["low"]) == low, row["low"])
+                check(f"{name}: coverage in {case}", row["coverage"] == entry.get("coverage", ""), row["coverage"])
+                check(f"{name}: a value says what it covers in {case}", low is None or row["coverage"], row)
 
 
 def field(text):

@@ -307,9 +307,13 @@ fn system_out(case: &CaseRecord, folder: &str, passed: bool) -> String {
         }
     }
     for m in &case.measurements {
-        let limits = show::limits(m);
-        let limits = if limits.is_empty() { String::new() } else { format!(" (limits {limits})") };
-        line(&format!("{} {} = {}{limits}", m.verdict, m.name, show::covered(m)));
+        let limits = Some(show::limits(m)).filter(|limits| !limits.is_empty());
+        let limits = limits.map(|limits| format!("limits {limits}"));
+        let coverage = Some(&m.coverage).filter(|words| !words.is_empty() && m.value.is_some());
+        let facts: Vec<String> =
+            limits.into_iter().chain(coverage.map(|words| format!("coverage {words}"))).collect();
+        let facts = if facts.is_empty() { String::new() } else { format!(" ({})", facts.join("; ")) };
+        line(&format!("{} {} = {}{facts}", m.verdict, m.name, show::value(m)));
     }
     if let Some(instrument) = &case.instrument {
         line(&format!("instrument {} {}", instrument.file, instrument.title));
