@@ -106,6 +106,19 @@ def broken(schemas, kind, folder, least):
     print(f"refused: {refused} broken {kind}s; {passed_over} that only the reader can refuse")
 
 
+def instrument(rig):
+    """The file of the manual is valid, and slips in it are not."""
+    text = subprocess.run([rig, "schema", "instrument"], capture_output=True, text=True, check=True).stdout
+    jsonschema.Draft7Validator.check_schema(json.loads(text))
+    schema = jsonschema.Draft7Validator(json.loads(text))
+    manual = (ROOT / "docs/terminal.md").read_text()
+    file = re.search(r"```toml\n(format = 1\ntitle = \"Oscilloscope.*?)```", manual, re.S).group(1)
+    found = faults(schema, tomllib.loads(file))
+    check("the instrument file of the manual is valid", not found, found[:2])
+    for old, new in [("error", "eror"), ("resolution = \"10 ns\"", "resolution = 10"), ("plus", "of-range")]:
+        check(f"an instrument file with {new} is refused", bool(faults(schema, tomllib.loads(file.replace(old, new, 1)))))
+
+
 PLAN = {
     "format": 1,
     "program": "lamp.st",
@@ -264,6 +277,7 @@ def main():
         jsonschema.Draft7Validator.check_schema(schema)
         schemas[kind] = jsonschema.Draft7Validator(schema)
     library(schemas)
+    instrument(rig)
     broken(schemas, "plan", ROOT / "plans/tests/broken", 8)
     broken(schemas, "board", ROOT / "drivers/tests/broken", 3)
     slips(schemas["plan"])

@@ -37,6 +37,11 @@ fn plans() {
 }
 
 #[test]
+fn instruments() {
+    corpus("instrument", targets::instrument);
+}
+
+#[test]
 fn boards() {
     corpus("board", targets::board);
     each(&root().join("drivers/tests/broken"), targets::board);

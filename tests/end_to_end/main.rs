@@ -22,6 +22,7 @@ mod files;
 mod goldens;
 mod guards;
 mod history;
+mod instruments;
 mod interrupt;
 mod judge;
 mod latency;

@@ -3,7 +3,7 @@
 
 mod lines_of_clients;
 
-use capture::{Capture, CaptureFormat};
+use capture::{Capture, CaptureFormat, LevelRule};
 use document::{Diagnostic, SourceFile, render};
 use drivers::adc::iio::{Element, Sampled, Scans};
 use drivers::adc::spi::{Chosen, FRAME, PARTS, SpiInput, Sweep};
@@ -25,7 +25,7 @@ use profile::Profile;
 use record::RunRecord;
 use reports::text::Style;
 use runtime::instrument::standalone::{self, StandaloneRun};
-use runtime::suite::{self, FileSource};
+use runtime::suite::{self, FileSource, instrument_file};
 use signal::{
     Address, Cause, Event, LoadLimits, Policy, Quantity, QuantityRange, SignalId, SignalInfo, Span, Time,
     Trace, Value, ValueKind, When,
@@ -121,6 +121,38 @@ pub fn board(data: &[u8]) {
             let _ = board.start(Time::ZERO);
             let _ = board.poll(Time::ZERO, &mut Vec::new());
             let _ = board.safe(Time::ZERO);
+        }
+    }
+}
+
+/// An instrument file, and what it makes of the instants of a capture.
+pub fn instrument(data: &[u8]) {
+    let file = SourceFile::new("scope.toml", String::from_utf8_lossy(data));
+    match instrument_file::read(&file) {
+        Err(found) => {
+            assert!(found.iter().any(Diagnostic::is_error));
+            show(&found, &[file]);
+        }
+        Ok(read) => {
+            let table = b"time [ms],a [V],b\n0,0,0\n1,20,0\n2,1.5,1\n3,-7,0\n";
+            let mut capture = capture::read(CaptureFormat::Csv, table, None).expect("the table is sound");
+            let at = |name: &str| capture.channels.iter().position(|channel| channel.name == name);
+            let rules: Vec<(usize, LevelRule)> = read
+                .channels
+                .iter()
+                .filter_map(|of| {
+                    let rule =
+                        LevelRule { threshold: of.threshold?, hysteresis: of.hysteresis, error: of.error };
+                    Some((at(&of.name)?, rule))
+                })
+                .collect();
+            capture.add_levels(&rules);
+            capture.correct(&read.errors());
+            let reference = read.timebase.named(Time::ZERO);
+            capture.widen_by_rate(reference, read.timebase.rate);
+            assert!(capture.changes.is_sorted_by_key(|change| change.at.latest));
+            assert!(capture.changes.iter().all(|change| change.at.earliest <= change.at.latest));
+            assert_eq!(read.record().file, "scope.toml");
         }
     }
 }

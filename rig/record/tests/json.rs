@@ -173,3 +173,22 @@ proptest! {
         prop_assert!(same(l, low) && same(h, high));
     }
 }
+
+#[test]
+fn what_an_instrument_states_and_a_value_covers_reads_back() {
+    let mut run = sample();
+    run.cases[0].measurements[0].coverage = "95 %".into();
+    let statement =
+        InstrumentStatement { of: "timebase".into(), key: "error".into(), value: "25 ppm".into() };
+    run.cases[0].instrument = Some(InstrumentRecord {
+        file: "scope.toml".into(),
+        title: String::new(),
+        sha256: "ab".repeat(32),
+        statements: vec![statement],
+    });
+    let text = run.to_json();
+    assert!(text.contains(r#""statements":[{"of":"timebase","key":"error","value":"25 ppm"}]"#), "{text}");
+    assert_eq!(RunRecord::from_json(&text).unwrap(), run);
+    // A record of a rig that did not say what an interval covers.
+    assert_eq!(RunRecord::from_json(&sample().to_json()).unwrap().cases[0].measurements[0].coverage, "");
+}

@@ -2,6 +2,8 @@
 
 use crate::manual::markdown::{Block, manual};
 use crate::project_folder::{LAMP_ST, TestProject, root};
+use document::SourceFile;
+use runtime::suite::instrument_file;
 
 /// What stands in front of a list of steps or of expectations.
 const KEYS: &str = r#"format = 1
@@ -117,6 +119,12 @@ fn the_examples_of_the_manual_are_taken() {
             let checked = ["toml", "iecst"].contains(&block.language.as_str());
             // The line of a schema is one of an editor.
             if !checked || block.text.starts_with("#:schema") {
+                continue;
+            }
+            if block.text.contains("\n[timebase]\n") {
+                let read = instrument_file::read(&SourceFile::new("scope.toml", &block.text));
+                wrong.extend(read.err().map(|found| format!("docs/{}:\n{found:?}", block.place)));
+                taken += 1;
                 continue;
             }
             let (name, text) = file(&block);

@@ -3,6 +3,9 @@
 use serde_json::Value as Json;
 use std::collections::{BTreeMap, BTreeSet};
 
+use document::schema::{Grammar, schema};
+use runtime::suite::instrument_file;
+
 use crate::manual::markdown::{Table, code, page, pages};
 
 /// A file with a schema.
@@ -10,9 +13,10 @@ use crate::manual::markdown::{Table, code, page, pages};
 enum Format {
     Plan,
     Suite,
+    Instrument,
     Board,
 }
-use Format::{Board, Plan, Suite};
+use Format::{Board, Instrument, Plan, Suite};
 
 /// A table of a page, by its heading and the first cell of its header, and the tables of the schema whose keys it has: names
 /// of keys with dots between them, `*` for each entry of a table or list.
@@ -64,6 +68,8 @@ const TABLES: &[Said] = &[
     ("plans/frames", "Frames that are sent", "key", Plan, &["steps.*.send"]),
     ("plans/invariants", "Alarms", "key", Plan, &["alarms.*"]),
     ("plans/invariants", "Suite files", "key", Suite, &[""]),
+    ("terminal", "What an instrument may be off", "key of `[timebase]`", Instrument, &["timebase"]),
+    ("terminal", "What an instrument may be off", "key of a channel", Instrument, &["channels.*"]),
     ("plans/measurements", "Measurements", "key", Plan, &["measure.*"]),
     ("plans/pulses", "profile", "key", Plan, &["expect.*.profile"]),
     ("plans/pulses", "profile", "key of `move`", Plan, &["expect.*.profile.move"]),
@@ -96,19 +102,22 @@ fn is_of_the_type(number: i64) -> bool {
 struct Schemas {
     plan: Json,
     suite: Json,
+    instrument: Json,
     board: Json,
 }
 
 impl Schemas {
     fn new() -> Schemas {
         let board = plans::schema::board(drivers::file::KEYS);
-        Schemas { plan: plans::schema::plan(), suite: plans::schema::suite(), board }
+        let instrument = schema("", "", instrument_file::KEYS, &Grammar::default());
+        Schemas { plan: plans::schema::plan(), suite: plans::schema::suite(), instrument, board }
     }
 
     fn of(&self, format: Format) -> &Json {
         match format {
             Plan => &self.plan,
             Suite => &self.suite,
+            Instrument => &self.instrument,
             Board => &self.board,
         }
     }
