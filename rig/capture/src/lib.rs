@@ -1,5 +1,8 @@
 //! What other instruments recorded: value change dumps, CSV tables, sigrok sessions.
 //!
+//! What an instrument says of its own errors is put into the instants and levels of a capture ([`InstrumentErrors`],
+//! [`LevelRule`]).
+//!
 //! Each reader takes bytes of any origin and gives a [`Capture`] or says what is wrong where; it neither panics nor
 //! takes memory or time without bound. A change is known to lie between the last instant at which the instrument saw
 //! the old value and the first at which it saw the new one.
