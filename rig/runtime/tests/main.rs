@@ -24,6 +24,7 @@ mod steps;
 #[path = "common/texts.rs"]
 mod texts;
 mod trouble;
+mod worst_case;
 
 #[global_allocator]
 static COUNTING: counting::Counting = counting::Counting;
