@@ -36,6 +36,7 @@ codes! {
     LongName = "S0109", "A name is longer than 32 characters";
     Text = "S0110", "A text literal is malformed";
     Date = "S0111", "A date or time of day is malformed or outside its type";
+    Underscores = "S0112", "A name has two underscores side by side";
     Duplicate = "S0201", "A name is declared twice";
     UnknownType = "S0202", "A type is not known";
     NotConstant = "S0203", "A constant is needed here";

@@ -110,7 +110,7 @@ fn compile_all(sources: &[SourceFile], own: usize, options: &Options) -> Result<
         findings.error(Code::SourceSize, SourcePlace::default(), message, help);
         return Err(findings.finish());
     }
-    let unit = parse::parse(sources, &mut names, &mut findings);
+    let unit = parse::parse(sources, own, &mut names, &mut findings);
     if findings.failed() {
         // A tree with faults has holes: what is missing would be reported as unknown.
         return Err(findings.finish());

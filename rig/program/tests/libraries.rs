@@ -93,6 +93,9 @@ fn fb_init_that_fails_is_reported() {
     assert_eq!(codes(&text.replace("n := 1 / zero;", "%QW0 := 1;")), ["S0213"]);
     // The other two are never called, which is said.
     assert_eq!(warnings(&text.replace("FB_Init", "FB_Exit")), ["S0216"]);
+    // The names of what the rig brings along are its own.
+    let copies = "PROGRAM MAIN VAR a, b__c : INT; END_VAR MEMCPY(ADR(a), ADR(b__c), 2); END_PROGRAM";
+    assert_eq!(warnings(copies), ["S0112"]);
     assert_eq!(warnings(&text.replace("FB_Init", "FB_Reinit")), ["S0216"]);
 }
 

@@ -51,6 +51,7 @@ const MOST_SOURCES: usize = 65_535;
 /// Reads all sources into one unit.
 pub(crate) fn parse(
     sources: &[SourceFile],
+    own: usize,
     names: &mut NameTable,
     findings: &mut CompileFindings<'_>,
 ) -> SourceUnit {
@@ -65,6 +66,7 @@ pub(crate) fn parse(
         let mut parser = Parser {
             text: &source.text,
             file,
+            own: usize::from(file) < own,
             tok: Tok::END,
             tokens,
             place: 0,
@@ -99,6 +101,8 @@ pub(crate) fn first_word(text: &str) -> String {
 struct Parser<'t, 'p, 's> {
     text: &'t str,
     file: u16,
+    /// The source is the user's.
+    own: bool,
     tokens: Vec<Tok>,
     /// Of the present token.
     place: usize,
@@ -293,8 +297,8 @@ impl<'t> Parser<'t, '_, '_> {
         Ok(name)
     }
 
-    /// A name that is being declared: it has to keep the rules (controller:DT-03). Underscores side by side and at
-    /// the ends are taken because libraries of vendors have them.
+    /// A name that is being declared: it has to keep the rules (controller:DT-03). Underscores side by side are only warned of,
+    /// because libraries of vendors have them.
     fn new_name(&mut self, what: &str) -> Parsed<Name> {
         let at = self.at();
         let Tok { token, key, .. } = self.tok;
@@ -314,7 +318,15 @@ impl<'t> Parser<'t, '_, '_> {
         let text = self.slice(at);
         if text.bytes().all(|byte| byte == b'_') {
             let message = format!("`{text}` has no letter or digit");
-            self.error(Code::Identifier, at, message, "use letters, digits and underscores between them");
+            self.error(Code::Identifier, at, message, "use letters and digits beside the underscore");
+        } else if self.own && text.contains("__") {
+            let message = format!("`{text}` has two underscores side by side");
+            self.findings.warning(
+                Code::Underscores,
+                at,
+                message,
+                "the controllers' tool takes single ones only",
+            );
         }
         if text.len() > LONG_NAME {
             let message = format!("`{text}` is longer than {LONG_NAME} characters");

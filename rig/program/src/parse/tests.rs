@@ -18,6 +18,6 @@ fn read(text: &str) -> (SourceUnit, NameTable, Vec<Diagnostic>) {
     let sources = [SourceFile::new("test.st", text)];
     let mut names = NameTable::new();
     let mut findings = CompileFindings::new(&sources, 50);
-    let unit = parse(&sources, &mut names, &mut findings);
+    let unit = parse(&sources, sources.len(), &mut names, &mut findings);
     (unit, names, findings.finish())
 }

@@ -237,7 +237,7 @@ fn sources_share_one_unit() {
         .map(|text| document::SourceFile::new("x.st", text));
     let mut names = NameTable::new();
     let mut findings = crate::findings::CompileFindings::new(&sources, 50);
-    let unit = super::super::parse(&sources, &mut names, &mut findings);
+    let unit = super::super::parse(&sources, sources.len(), &mut names, &mut findings);
     let places: Vec<(u16, u32)> = unit.pous.iter().map(|pou| (pou.name.at.file, pou.name.at.start)).collect();
     assert_eq!(places, [(0, 8), (1, 8)]);
     assert!(!findings.failed());
@@ -259,4 +259,12 @@ fn places_span_what_they_are_of() {
 fn long_names_are_warned_of() {
     let (_, _, findings) = read("PROGRAM i_udiETHIP_IOMessagingTransmitted END_PROGRAM");
     assert_eq!((findings[0].code, findings[0].severity), ("S0109", document::Severity::Warning));
+}
+
+#[test]
+fn underscores_side_by_side_are_warned_of() {
+    let (_, _, findings) =
+        read("PROGRAM p VAR a__b, __c, d__, ab_, _ab, a_b : INT; END_VAR a__b := 1; END_PROGRAM");
+    let found: Vec<_> = findings.iter().map(|found| (found.code, found.severity)).collect();
+    assert_eq!(found, [("S0112", document::Severity::Warning); 3]);
 }

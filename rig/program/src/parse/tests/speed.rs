@@ -57,7 +57,7 @@ fn thirty_thousand_lines() {
         let mut names = NameTable::new();
         let mut findings = CompileFindings::new(&sources, 50);
         let start = Instant::now();
-        let unit = parse(&sources, &mut names, &mut findings);
+        let unit = parse(&sources, sources.len(), &mut names, &mut findings);
         let reading = start.elapsed();
         assert!(!findings.failed() && unit.pous.len() == 1000);
         let lines = sources[0].text.lines().count();
