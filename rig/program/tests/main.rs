@@ -6,6 +6,7 @@ mod conversions;
 mod costs;
 mod debugging;
 mod differential;
+mod edges;
 mod evaluation;
 mod expressions;
 mod faults;
