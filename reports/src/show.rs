@@ -124,17 +124,17 @@ pub(crate) fn covered(measurement: &MeasurementRecord) -> String {
     }
 }
 
-/// What an instrument file says, a line for each of its parts: `timebase: error = 25 ppm, resolution = 10 ns`.
-pub(crate) fn instrument(instrument: &InstrumentRecord) -> Vec<String> {
-    let mut lines: Vec<(&str, String)> = Vec::new();
+/// What an instrument file states of each of its parts: `timebase` and `error = 25 ppm, resolution = 10 ns`.
+pub(crate) fn instrument(instrument: &InstrumentRecord) -> Vec<(&str, String)> {
+    let mut parts: Vec<(&str, String)> = Vec::new();
     for InstrumentStatement { of, key, value } in &instrument.statements {
         let stated = format!("{key} = {value}");
-        match lines.last_mut() {
-            Some((last, line)) if last == of => *line = format!("{line}, {stated}"),
-            _ => lines.push((of, stated)),
+        match parts.last_mut() {
+            Some((last, words)) if last == of => *words = format!("{words}, {stated}"),
+            _ => parts.push((of, stated)),
         }
     }
-    lines.into_iter().map(|(of, line)| format!("{of}: {line}")).collect()
+    parts
 }
 
 /// The limits of a measurement as the plan gave them; empty when it has none. Where no guard band belongs to them they say so:

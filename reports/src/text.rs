@@ -99,8 +99,8 @@ pub fn details(case: &CaseRecord, style: Style) -> String {
     }
     if let Some(instrument) = &case.instrument {
         line(&mut out, 2, "instrument", &clean(&format!("{} {}", instrument.file, instrument.title)));
-        for stated in show::instrument(instrument) {
-            line(&mut out, 6, "", &clean(&stated));
+        for (of, stated) in show::instrument(instrument) {
+            line(&mut out, 6, &clean(of), &clean(&stated));
         }
     }
     let model = if case.model.is_empty() { String::new() } else { format!(", model {}", clean(&case.model)) };

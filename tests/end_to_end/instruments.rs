@@ -10,7 +10,7 @@ fn bench() -> TestProject {
         plan = plan.replace(claim, &format!("{claim}, pulses-longer-than = \"20 ms\""));
     }
     let measure = "measure = [{ name = \"delay\", from = \"press\", to = { signal = \"lamp\", edge = \"rises\" }, \
-                   max = \"550 ms\", pulses-longer-than = \"20 ms\" }]\n";
+                   min = \"500 ms\", max = \"550 ms\", pulses-longer-than = \"20 ms\" }]\n";
     bench.write("lamp.toml", &format!("{plan}{measure}"));
     let file = root().join("rig/capture/tests/files/scope.csv");
     std::fs::copy(file, bench.path("scope.csv")).unwrap();
@@ -84,7 +84,7 @@ fn record_and_reports_say_what_the_file_states() {
         ("out/junit.xml", "timebase: error = 25 ppm"),
         ("out/summary.md", "coverage 95 %"),
         ("out/measurements.csv", ",95 %"),
-        ("out/ctrf.json", "\"coverage\": \"95 %\""),
+        ("out/ctrf.json", "\"coverage\":\"95 %\""),
     ] {
         assert!(bench.read(file).contains(part), "{part} in {file}: {}", bench.read(file));
     }

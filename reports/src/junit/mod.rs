@@ -317,8 +317,8 @@ fn system_out(case: &CaseRecord, folder: &str, passed: bool) -> String {
     }
     if let Some(instrument) = &case.instrument {
         line(&format!("instrument {} {}", instrument.file, instrument.title));
-        for stated in show::instrument(instrument) {
-            line(&format!("  {stated}"));
+        for (of, stated) in show::instrument(instrument) {
+            line(&format!("  {of}: {stated}"));
         }
     }
     for file in [brief::waves(case), brief::frames(case)].into_iter().flatten().filter(|_| !passed) {

@@ -301,7 +301,7 @@ expect = [
   { name = "off", stays = { signal = "lamp", is = false, from = "press", until = "press + 50 ms" } },
   { name = "count", edges = { signal = "lamp", rising = 3, from = "press", until = "press + 700 ms" } },
   { name = "pulses", pulse = { signal = "lamp", width = "1 ms .. 400 ms", from = "press", until = "press + 900 ms" } },
-  { name = "value", value = { signal = "u", is = "0 V .. 8 V", when = "press + 500 ms" } },
+  { name = "value", value = { of = "u", min = "0 V", max = "8 V", when = "press + 500 ms" } },
   { name = "never", never = { signal = "u", min = "9 V", from = "press", until = "press + 900 ms" } },
 ]
 measure = [
