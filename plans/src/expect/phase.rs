@@ -130,7 +130,8 @@ impl TraceClaim for PhaseClaim {
             let info = scene.signal(name)?.clone();
             let edge = if self.by_falls { CountedEdge::Falls } else { CountedEdge::Rises };
             let finder = EdgeFinder::new(edge, slack(&info));
-            Ok(PhaseSignal { info, finder, lag: scene.lag(name), edges: VecDeque::new(), reached: i64::MIN })
+            let (lag, edges, unknown) = (scene.lag(name), VecDeque::new(), VecDeque::new());
+            Ok(PhaseSignal { info, finder, lag, edges, unknown, reached: i64::MIN })
         };
         let (of, reference) = (side(&self.of)?, side(&self.reference)?);
         let answer = PhaseResult::default();
@@ -145,8 +146,28 @@ struct PhaseSignal {
     /// How far after the newest event of the trace one of this signal can begin, nanoseconds.
     lag: i64,
     edges: VecDeque<TimedValue>,
+    /// Stretches of which nothing is known that are over, from their earliest beginning to their latest end.
+    unknown: VecDeque<(i64, i64)>,
     /// No later event of the signal begins before this.
     reached: i64,
+}
+
+impl PhaseSignal {
+    /// A stretch of which nothing is known is over. The oldest ones are taken together where there are too many.
+    fn known_again(&mut self, stretch: &TimedValue) {
+        self.unknown.push_back((stretch.a, stretch.b));
+        if self.unknown.len() > MOST
+            && let (Some(first), Some(second)) = (self.unknown.pop_front(), self.unknown.front_mut())
+        {
+            second.0 = second.0.min(first.0);
+        }
+    }
+
+    /// Whether its edges between these instants may not all be known. It has been followed up to the later one.
+    fn is_unknown(&self, (from, until): (i64, i64)) -> bool {
+        let lasts = self.finder.rest().map(|rest| (rest.seen.a, i64::MAX));
+        self.unknown.iter().copied().chain(lasts).any(|(begin, end)| begin < until && end > from)
+    }
 }
 
 /// What the cycles came to so far.
@@ -227,6 +248,8 @@ impl PhaseMonitor {
             return;
         }
         let certain = self.window.must_hold(start) && self.window.must_hold(end);
+        // The turn may reach out of the window.
+        self.answer.doubtful |= self.of.is_unknown((turn.begin.0, turn.end.1));
         // Each edge that can be the first one of the turn.
         let mut left = turn.begin.0;
         let (mut can_hold, mut can_break, mut is_there) = (false, false, false);
@@ -286,7 +309,10 @@ impl Monitor for PhaseMonitor {
                 }
                 self.advance(false);
             }
-            Some(found) => self.unknown(&found.seen),
+            Some(found) => {
+                side.known_again(&found.seen);
+                self.unknown(&found.seen);
+            }
             None => {}
         }
     }
