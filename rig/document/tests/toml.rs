@@ -99,7 +99,6 @@ fn sizes_are_bounded() {
     assert_eq!(refused(&"#".repeat((1 << 20) + 1))[0].0, "T3");
     assert_eq!(refused(&"[".repeat(100_000))[0].0, "T3");
     assert_eq!(refused(&format!("{} = 1", "a.".repeat(100_000)))[0].0, "T3");
-    assert_eq!(refused("a = 99999999999999999999")[0].0, "T1");
     assert!(refused(&"= 1\n".repeat(10_000)).len() <= scanrig_document::MAX_FINDINGS);
 }
 
