@@ -241,10 +241,10 @@ fn value(cell: &str) -> Option<Value> {
         return None;
     }
     // `1.0` is a real number that happens to be whole: what the column is, its other cells say.
-    match number.as_whole().map(i64::try_from) {
-        Some(Ok(whole)) if !cell.contains('.') => Some(Value::Int(whole)),
-        _ => Some(Value::Real(number.as_f64())),
-    }
+    let whole = number.as_whole().filter(|_| !cell.contains('.'));
+    let signed = whole.and_then(|whole| i64::try_from(whole).ok()).map(Value::Int);
+    let unsigned = || whole.and_then(|whole| u64::try_from(whole).ok()).map(Value::Word);
+    Some(signed.or_else(unsigned).unwrap_or_else(|| Value::Real(number.as_f64())))
 }
 
 /// Gives every column the shape that all its values have, and its values that shape.
@@ -253,6 +253,7 @@ fn shape(builder: &mut CaptureBuilder) {
         let shape = match change.value {
             Value::Real(_) => ChannelType::Real,
             Value::Int(n) if n != 0 && n != 1 => ChannelType::Whole,
+            Value::Word(_) => ChannelType::Whole,
             _ => ChannelType::Bit,
         };
         let known = &mut builder.channels[change.channel as usize].shape;

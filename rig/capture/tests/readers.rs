@@ -136,6 +136,15 @@ fn a_table_of_volts_with_decimal_commas() {
 }
 
 #[test]
+fn numbers_of_64_bits_without_a_sign_keep_their_digits() {
+    let text = "time [s],n\n0,1\n1,18446744073709551615\n2,9007199254740993\n";
+    let capture = read(CaptureFormat::Csv, text.as_bytes(), None).unwrap();
+    assert_eq!(capture.channels[0].shape, ChannelType::Whole);
+    let values: Vec<Value> = changes(&capture, "n").into_iter().map(|(_, value)| value).collect();
+    assert_eq!(values, [Value::Int(1), Value::Word(u64::MAX), Value::Int(9_007_199_254_740_993)]);
+}
+
+#[test]
 fn two_rows_of_one_instant_say_that_instants_are_rounded() {
     let rows = |second: &str| format!("time [ms],a,b\n0,0,0\n1.250,1,0\n{second},1,1\n2.5,0,1\n");
     let at = |second: &str, channel: &str, place: usize| {
