@@ -220,6 +220,9 @@ def same(point, number, signal):
         return number is None
     if number is None:
         return False
+    if isinstance(point, str):
+        # A whole number beyond 53 bits is a text of its digits.
+        point = int(point)
     if signal.var_type != "real" and point < 0:
         # Negative numbers are written as their two's complement.
         point += 1 << int(signal.size)

@@ -53,6 +53,7 @@ fn dump(run: &record::RunRecord) -> String {
                 record::LaneValue::Unknown => Value::Unknown,
                 record::LaneValue::Number(n) if lane.kind == record::LaneKind::Analog => Value::Real(n),
                 record::LaneValue::Number(n) => Value::Int(n as i64),
+                record::LaneValue::Large(n) => Value::Int(n as i64),
             };
             let at = When::within(Time::from_nanos(point.at[0]), Time::from_nanos(point.at[1]));
             events.push(Event { signal: SignalId(place as u32), at, value, cause: Cause::Unknown });

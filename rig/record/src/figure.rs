@@ -43,8 +43,8 @@ impl From<Span> for Figure {
 }
 
 impl fmt::Display for Figure {
-    /// A whole number of nanoseconds as a duration (`0.4 ms`), anything else as number and unit with at most
-    /// nine significant digits.
+    /// A whole number of nanoseconds as a duration (`0.4 ms`), another whole number with all its digits, anything else as number
+    /// and unit with at most nine significant digits.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.as_span() {
             Some(span) if span.as_nanos() as f64 == self.value => span.fmt(f),
@@ -54,8 +54,11 @@ impl fmt::Display for Figure {
     }
 }
 
-/// The number to nine significant digits: 0.1 + 0.2 is shown as 0.3.
+/// The number to nine significant digits, but all of a whole one: 0.1 + 0.2 is shown as 0.3, and no count as a rounded one.
 fn nine_digits(n: f64) -> f64 {
+    if n.fract() == 0.0 {
+        return n;
+    }
     format!("{n:.8e}").parse().unwrap_or(n)
 }
 
@@ -71,6 +74,7 @@ mod tests {
         assert_eq!(Figure::new(3.0, "").to_string(), "3");
         assert_eq!(Figure::new(0.1 + 0.2, "V").to_string(), "0.3 V");
         assert_eq!(Figure::new(65_535.0, "").to_string(), "65535");
+        assert_eq!(Figure::new(12_345_678_901_234.0, "").to_string(), "12345678901234");
         assert_eq!(Figure::new(f64::NAN, "ns").to_string(), "NaN ns");
     }
 }

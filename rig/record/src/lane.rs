@@ -19,16 +19,22 @@ pub enum LaneKind {
     State,
 }
 
-/// What a signal is from a point on. In JSON a number, `"z"` or `"x"`.
+/// What a signal is from a point on. In JSON a number, `"z"` or `"x"`; a whole number beyond 53 bits is a text of its digits, for
+/// readers whose numbers are floats.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LaneValue {
     /// A number: 0 and 1 in a digital lane. Never NaN or infinite in JSON: those are written as unknown.
     Number(f64),
+    /// A whole number beyond 53 bits.
+    Large(i128),
     /// Not driven.
     HighZ,
     /// Not known.
     Unknown,
 }
+
+/// From this magnitude on whole numbers are not all floats.
+const LARGE: u128 = 1 << 53;
 
 /// A change of a signal. In JSON `[instant, value]`, or `[earliest, latest, value]` where the instant is not known
 /// exactly; in nanoseconds.
@@ -109,6 +115,9 @@ impl From<Value> for LaneValue {
         match value {
             Value::HighZ => LaneValue::HighZ,
             Value::Unknown => LaneValue::Unknown,
+            other if other.as_int().is_some_and(|whole| whole.unsigned_abs() > LARGE) => {
+                other.as_int().map_or(LaneValue::Unknown, LaneValue::Large)
+            }
             other => other.as_real().filter(|n| n.is_finite()).map_or(LaneValue::Unknown, LaneValue::Number),
         }
     }
@@ -120,6 +129,7 @@ impl Serialize for LaneValue {
             // Whole numbers without ".0" keep the many digital points short.
             LaneValue::Number(n) if n.fract() == 0.0 && n.abs() < 9e15 => serializer.serialize_i64(*n as i64),
             LaneValue::Number(n) if n.is_finite() => serializer.serialize_f64(*n),
+            LaneValue::Large(n) => serializer.collect_str(n),
             LaneValue::HighZ => serializer.serialize_str("z"),
             LaneValue::Number(_) | LaneValue::Unknown => serializer.serialize_str("x"),
         }
@@ -138,7 +148,10 @@ impl<'de> Deserialize<'de> for LaneValue {
             Written::Number(n) => Ok(LaneValue::Number(n)),
             Written::Word(word) if word == "z" => Ok(LaneValue::HighZ),
             Written::Word(word) if word == "x" => Ok(LaneValue::Unknown),
-            Written::Word(_) => Err(de::Error::custom("expected a number, \"z\" or \"x\"")),
+            Written::Word(word) => match word.parse() {
+                Ok(whole) => Ok(LaneValue::Large(whole)),
+                Err(_) => Err(de::Error::custom("expected a number, its digits, \"z\" or \"x\"")),
+            },
         }
     }
 }
@@ -174,6 +187,17 @@ impl<'de> Deserialize<'de> for LanePoint {
 mod tests {
     use super::*;
     use signal::Time;
+
+    #[test]
+    fn no_digit_of_a_large_number_is_lost() {
+        for value in [Value::Int(i64::MIN), Value::Word(u64::MAX), Value::Int((1 << 53) + 1)] {
+            let kept = LaneValue::from(value);
+            let text = serde_json::to_string(&kept).unwrap();
+            assert_eq!(text, format!("\"{}\"", value.as_int().unwrap()));
+            assert_eq!(serde_json::from_str::<LaneValue>(&text).unwrap(), kept);
+        }
+        assert_eq!(LaneValue::from(Value::Int(1 << 53)), LaneValue::Number((1_u64 << 53) as f64));
+    }
 
     #[test]
     fn a_lane_is_bounded() {

@@ -23,7 +23,8 @@ const span = (ns) => {
 // A duration to so many significant digits, where the exact one would pretend.
 const rounded = (ns, digits = 3) => span(Math.round(Number(ns.toPrecision(digits))));
 
-const nine = (n) => (Number.isFinite(n) ? String(Number(n.toPrecision(9))).replace("e+", "e") : String(n));
+// Nine digits, but all of a whole number.
+const nine = (n) => (Number.isFinite(n) ? String(Number.isInteger(n) ? n : Number(n.toPrecision(9))).replace("e+", "e") : String(n));
 const number = (value) => (typeof value === "number" ? value : { inf: Infinity, "-inf": -Infinity }[value] ?? NaN);
 
 // A number in its unit; whole nanoseconds are shown as the duration that they are.

@@ -4,11 +4,13 @@ const UNCERTAIN = 1.5; // intervals narrower than this are drawn as instants, in
 const HEIGHT = { digital: 22, state: 22, analog: 62 };
 
 const isNumber = (value) => typeof value === "number";
+// A whole number beyond 53 bits is a text of its digits.
+const isDigits = (value) => typeof value === "string" && /^-?\d+$/.test(value);
 
 // What a value is called: a label of a state, or the number.
 const named = (lane, value) => {
   if (value === "z") return "high impedance";
-  if (!isNumber(value)) return "unknown";
+  if (!isNumber(value)) return isDigits(value) ? value : "unknown";
   if (lane.kind === "digital") return value === 0 ? "FALSE" : "TRUE";
   const label = lane.labels.find(([n]) => n === value);
   return label ? label[1] : figure(value, lane.unit);
@@ -110,7 +112,7 @@ const drawState = (axis, lane, y) => {
       continue;
     }
     out.push(uncertain(part, top, 18));
-    if (!isNumber(part.value) && part.value !== "z") {
+    if (!isNumber(part.value) && !isDigits(part.value) && part.value !== "z") {
       out.push(box("unknown", begin, top, width, 18));
       continue;
     }
