@@ -105,7 +105,13 @@ pub(super) fn plan_step(
                 }
             };
             let Literal::Value(value) = value else {
-                out.error(codes::VALUE_MISFIT, step.span.clone(), format!("`{of}` takes a plain number"), "");
+                let plain = value.quantity().is_some_and(|quantity| quantity.unit.is_none());
+                let help = if plain { "a number that is written has at most 64 bits" } else { "" };
+                let message = match plain {
+                    true => format!("{value} does not fit into `{of}`"),
+                    false => format!("`{of}` takes a plain number"),
+                };
+                out.error(codes::VALUE_MISFIT, step.span.clone(), message, help);
                 return None;
             };
             if matches!(value, Value::Real(_)) && observable.kind != ValueKind::Real {
