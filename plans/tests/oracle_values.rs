@@ -378,4 +378,31 @@ proptest! {
         prop_assert!(wrong.is_none(), "{wrong:?}: {text} {raw:?}");
         prop_assert!(!exact || high - low < 1e-9, "{low} {high}: {text} {raw:?}");
     }
+
+    /// Without a guard band a figure that is known is held against its limits by its middle, in whole numbers; what is open for
+    /// another reason than the width stays so.
+    #[test]
+    fn guard_bands(q in line(2, 7), step in (0i64..8, 0i64..3), which in 0usize..3, least in 0i64..9, more in 0i64..5, exact: bool) {
+        let raw = raw(&[(q, 2)], step, exact);
+        prop_assume!(apart_from_the_step(&raw));
+        let what = ["to = { signal = \"q\", edge = \"rises\" }", "width-of = \"q\"", "period-of = \"q\", take = \"max\""][which];
+        let judge = |guard: &str| {
+            let limits = format!("min = \"{least} ns\", max = \"{} ns\"", least + more);
+            let text = format!(r#"{{ name = "n", {what}, from = "a", {limits}, guard = "{guard}" }}"#);
+            judged(&raw, &text, ValueKind::Bool).measurements[0].clone()
+        };
+        let (guarded, unguarded) = (judge("uncertainty"), judge("none"));
+        prop_assert_eq!(guarded.value, unguarded.value);
+        let width_alone = guarded.reason == "a limit lies within the uncertainty";
+        match guarded.value {
+            Some([low, high]) if width_alone || guarded.verdict != Verdict::Inconclusive => {
+                let twice = low as i64 + high as i64;
+                let inside = (2 * least..=2 * (least + more)).contains(&twice);
+                let expected = if inside { Verdict::Pass } else { Verdict::Fail };
+                prop_assert_eq!(unguarded.verdict, expected, "{:?} {:?}", unguarded, raw);
+                prop_assert!(width_alone || guarded.verdict == expected);
+            }
+            _ => prop_assert_eq!((guarded.verdict, guarded.reason), (unguarded.verdict, unguarded.reason)),
+        }
+    }
 }
