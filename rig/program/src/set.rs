@@ -26,6 +26,8 @@ pub enum SetError {
         /// Greatest value.
         high: i128,
     },
+    /// The type, REAL or LREAL, holds 0 and numbers of normal magnitude only (controller:DT-01).
+    Magnitude(Elementary),
     /// The enumeration has no such name.
     NoSuchName,
     /// The text has more characters than this.
@@ -43,6 +45,10 @@ impl fmt::Display for SetError {
             }
             SetError::Form(example) => write!(f, "the value is written as in {example}"),
             SetError::Range { low, high } => write!(f, "the value must be from {low} to {high}"),
+            SetError::Magnitude(ty) => {
+                let (least, most) = ty.magnitudes();
+                write!(f, "{} takes 0 and magnitudes from {least} to {most}", ty.name())
+            }
             SetError::NoSuchName => f.write_str("the enumeration has no such name"),
             SetError::TooLong(most) => write!(f, "the text may have {most} characters"),
             SetError::Character => f.write_str("a STRING holds characters up to U+00FF"),
@@ -208,11 +214,12 @@ fn real(body: &str, ty: Elementary) -> Result<i64, SetError> {
     if !plain.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) {
         return Err(form);
     }
-    let cell = match ty {
-        Real => plain.parse::<f32>().ok().filter(|n| n.is_finite()).map(|n| i64::from(n.to_bits())),
-        _ => plain.parse::<f64>().ok().filter(|n| n.is_finite()).map(|n| n.to_bits() as i64),
+    let (Ok(double), Ok(single)) = (plain.parse::<f64>(), plain.parse::<f32>()) else { return Err(form) };
+    let (normal, cell) = match ty {
+        Real => (single.is_normal(), i64::from(single.to_bits())),
+        _ => (double.is_normal(), double.to_bits() as i64),
     };
-    cell.ok_or(form)
+    if normal || double == 0.0 { Ok(cell) } else { Err(SetError::Magnitude(ty)) }
 }
 
 /// Nanoseconds as a cell of a type of times or dates: what its unit does not hold is cut off.

@@ -135,8 +135,23 @@ impl Elementary {
         matches!(self, Byte | Word | Dword | Lword)
     }
 
+    /// The least and the greatest magnitude of a REAL beside 0, as they are written; of an LREAL for any other type
+    /// (controller:DT-01).
+    pub const fn magnitudes(self) -> (&'static str, &'static str) {
+        match self {
+            Real => ("1.175494351E-38", "3.402823466E+38"),
+            _ => ("2.2250738585072014E-308", "1.7976931348623157E+308"),
+        }
+    }
+
+    /// Whether a REAL, an LREAL for any other type, holds the number: 0, or one whose nearest has a normal magnitude.
+    pub fn holds_real(self, number: f64) -> bool {
+        let normal = if matches!(self, Real) { (number as f32).is_normal() } else { number.is_normal() };
+        normal || number == 0.0
+    }
+
     /// Whole numbers and bit strings.
-    pub(crate) const fn is_integer(self) -> bool {
+    pub const fn is_integer(self) -> bool {
         matches!(self, Sint | Usint | Int | Uint | Dint | Udint | Lint | Ulint | Byte | Word | Dword | Lword)
     }
 

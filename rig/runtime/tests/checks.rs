@@ -62,6 +62,25 @@ fn of_claim(claim: &str) -> Vec<String> {
 }
 
 #[test]
+fn values_that_a_step_cannot_write_are_errors() {
+    for (of, value, code) in [
+        ("small", "255", ""),
+        ("small", "256", "R0107"),
+        ("small", "-1", "R0107"),
+        ("minus", "-32768", ""),
+        ("minus", "32768", "R0107"),
+        ("MAIN.minus", "-32769", "R0107"),
+    ] {
+        let text = format!(
+            "needs = [\"memory-access\"]\nsteps = [{{ id = \"put\", at = \"start + 1 s\", write = {{ of = \"{of}\", value = {value} }} }}]\n\
+             expect = [{{ value = {{ of = \"small\", is = 5 }} }}]"
+        );
+        let found = found(&text);
+        assert_eq!(found.first().map_or("", |one| &one[..5]), code, "{of} {value}: {found:?}");
+    }
+}
+
+#[test]
 fn values_that_a_signal_cannot_have_are_errors() {
     for (claim, code) in [
         ("{ value = { of = \"small\", is = 256 } }", "R0145"),

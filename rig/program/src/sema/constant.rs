@@ -51,7 +51,7 @@ impl<'a> Sema<'a> {
                     Code::Range,
                     written.at,
                     message,
-                    "its terms are too large for REAL or LREAL",
+                    "write smaller terms, or LREAL where they are of REAL",
                 );
                 None
             }

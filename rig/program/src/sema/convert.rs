@@ -61,10 +61,8 @@ impl<'a> Sema<'a> {
         if normal || double == 0.0 {
             return Some(self.constant(cell, ty, at));
         }
-        let range = match ty {
-            Elementary::Real => "REAL takes 0 and magnitudes from 1.175494351E-38 to 3.402823466E+38",
-            _ => "LREAL takes 0 and magnitudes from 2.2250738585072014E-308 to 1.7976931348623157E+308",
-        };
+        let (least, most) = ty.magnitudes();
+        let range = format!("{} takes 0 and magnitudes from {least} to {most}", ty.name());
         let message = format!("{double:E} is outside the range of {}", ty.name());
         self.findings.error(Code::Range, at, message, range);
         None

@@ -149,6 +149,13 @@ impl Catalogue {
         if variables.all(|other| other.ty == first) { of(first) } else { None }
     }
 
+    /// The type of a variable; `None` where it is none, or of several types in several programs.
+    pub fn type_of(&self, name: &str) -> Option<Elementary> {
+        let mut variables = self.programs.iter().filter_map(|program| program.find(name));
+        let first = variables.next()?.ty;
+        variables.all(|other| other.ty == first).then_some(first)
+    }
+
     /// The least and the greatest value that a whole number can have; `None` for times, real numbers and what is not known.
     pub fn bounds(&self, name: &str) -> Option<(i128, i128)> {
         if let Some(variable) = SystemVariable::find(name) {

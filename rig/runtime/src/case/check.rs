@@ -11,10 +11,12 @@ use crate::suite::case_files::CaseFiles;
 use document::Diagnostic;
 use drivers::circuit::PlantSpec;
 use drivers::{Board, BoardFile, ChannelId};
-use plans::Case;
 use plans::bench::{Doubt, SignalBounds, doubt};
 use plans::expect::{ClaimDemand, Expectation};
+use plans::lang::Literal;
 use plans::signals::{FileFigure, RowFigure, SignalBinding, SignalSource, TaskFigure};
+use plans::steps::Stimulus;
+use plans::{Case, PlanStep};
 use profile::Profile;
 use signal::{SignalId, Span};
 
@@ -63,6 +65,7 @@ pub(crate) fn claims(looked: &CaseOnBench<'_>) -> Vec<Diagnostic> {
         };
         found.push(at(one, looked, expectation));
     }
+    found.extend(case.steps.iter().filter_map(|step| looked.beyond_type(step)));
     for (step, planned) in case.steps.iter().zip(&looked.prepared.steps) {
         let Timing::When { signal, .. } = &planned.timing else { continue };
         if let Some(channel) = looked.channel_of(*signal).filter(|channel| moved.is_still(*channel)) {
@@ -176,6 +179,28 @@ impl CaseOnBench<'_> {
             SignalSource::Relocation { figure: RowFigure::Valid, .. } => SignalBounds::BIT,
             SignalSource::Relocation { .. } => SignalBounds::new(-1, 65_535),
         })
+    }
+
+    /// A step that writes a number which its variable's type does not hold: it would be cut without a word
+    /// (controller:DT-01).
+    fn beyond_type(&self, step: &PlanStep) -> Option<Diagnostic> {
+        let Stimulus::Write { of, value: Literal::Value(value) } = &step.stimulus else { return None };
+        let SignalSource::Path(path) = &self.binding(of)?.source else { return None };
+        let ty = self.subject.catalogue()?.type_of(path)?;
+        let help = if ty.is_integer() {
+            let (low, high) = ty.range();
+            let number = value.as_int()?;
+            (number < low || number > high).then(|| format!("{} takes {low} to {high}", ty.name()))?
+        } else if ty.is_real() {
+            let is_held = ty.holds_real(value.as_real()?);
+            let (least, most) = ty.magnitudes();
+            (!is_held).then(|| format!("{} takes 0 and magnitudes from {least} to {most}", ty.name()))?
+        } else {
+            return None;
+        };
+        let message = format!("`{path}` cannot have the value that the step `{}` writes", step.id);
+        let found = Diagnostic::error(codes::VALUE_MISFIT, message).help(help);
+        Some(found.at(&self.files.plan.name, step.span.clone(), ""))
     }
 
     /// The channel that a signal shows.
