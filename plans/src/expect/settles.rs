@@ -247,6 +247,10 @@ impl Monitor for SettlesMonitor {
     }
 
     fn lost(&mut self, now: i64) -> bool {
+        // Whether what is held back is short shows later: until then it may have settled.
+        if self.short.is_some() {
+            return false;
+        }
         if self.open {
             self.segments.advance(now);
         }
