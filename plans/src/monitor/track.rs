@@ -61,6 +61,8 @@ const WAITING: usize = 256;
 pub struct PositionTrack {
     carried: PulseEncoding,
     lines: [TrackLine; 2],
+    /// How many of the lines carry something.
+    used: usize,
 }
 
 #[derive(Clone, Debug)]
@@ -95,7 +97,8 @@ impl PositionTrack {
             }
         };
         let [one, other] = edges;
-        PositionTrack { carried, lines: [line(first, one), line(second.unwrap_or((0.0, 0)), other)] }
+        let used = 1 + usize::from(second.is_some());
+        PositionTrack { carried, used, lines: [line(first, one), line(second.unwrap_or((0.0, 0)), other)] }
     }
 
     /// The next event of a line.
@@ -118,11 +121,9 @@ impl PositionTrack {
     /// Nothing comes any more.
     pub fn finish(&mut self, mut out: impl FnMut(TrackStep)) {
         self.advance(true, &mut out);
-        for line in &self.lines {
-            // A line without events at all says nothing: the case has none, which is reported elsewhere.
-            if let Some(rest) = line.finder.rest().filter(|_| line.taken.is_some()) {
-                out(TrackStep::Unknown(TimedValue { place: LAST, ..rest.seen }));
-            }
+        // A line that was never observed is not known all along.
+        for rest in self.lines[..self.used].iter().filter_map(|line| line.finder.rest()) {
+            out(TrackStep::Unknown(TimedValue { place: LAST, ..rest.seen }));
         }
     }
 
