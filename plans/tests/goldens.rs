@@ -54,7 +54,7 @@ impl PlanNames for Anything {
 }
 
 #[derive(Default)]
-struct Golden {
+pub(crate) struct Golden {
     title: String,
     signals: Vec<SignalInfo>,
     events: Vec<Event>,
@@ -106,7 +106,7 @@ fn declare(words: &[&str]) -> SignalInfo {
 }
 
 impl Golden {
-    fn parse(block: &str) -> Golden {
+    pub(crate) fn parse(block: &str) -> Golden {
         let mut golden = Golden::default();
         for line in block.lines().map(str::trim).filter(|line| !line.is_empty()) {
             let words: Vec<&str> = line.split_whitespace().collect();
@@ -228,7 +228,7 @@ impl Golden {
         trace
     }
 
-    fn check(mut self) {
+    pub(crate) fn check(mut self) {
         self.mark("step:start");
         self.mark("step:end");
         if self.toml.is_empty() {

@@ -15,4 +15,5 @@ mod oracle_unseen;
 mod oracle_values;
 mod policies;
 mod reading;
+mod verbs;
 mod warnings;
