@@ -142,6 +142,32 @@ fn steps_wait_for_the_setup_however_long_it_takes() {
     assert_eq!(record.verdict, Verdict::Fail);
 }
 
+/// A step that waits in vain fails its case; the steps, and those of the teardown, go on without it and what depends on it.
+#[test]
+fn a_step_that_does_not_come_leaves_out_what_depends_on_it() {
+    let waits = |id: &str| {
+        format!(
+            "{{ id = \"{id}\", when = {{ signal = \"valve\", edge = \"falls\", within = \"100 ms\" }} }}, {{ id = \"then\", at = \"{id} + 10 ms\", mark = {{}} }},"
+        )
+    };
+    for in_teardown in [false, true] {
+        let (steps, teardown) =
+            if in_teardown { (String::new(), waits("gone")) } else { (waits("gone"), String::new()) };
+        let result = run(&format!(
+            "steps = [{steps} {{ id = \"other\", at = \"main + 300 ms\", mark = {{}} }}]
+            ends = \"main + 1 s\"
+            teardown = [{teardown} {{ id = \"last\", at = \"teardown + 300 ms\", mark = {{}} }}]
+            expect = [{{ name = \"shut\", stays = {{ signal = \"valve\", is = false }} }}]"
+        ));
+        let record = &result.record;
+        let times = ["gone", "then", "other", "last"].map(|id| came(record, id));
+        assert_eq!(times, [None, None, Some(300), Some(1_300)], "in the teardown: {in_teardown}");
+        assert_eq!(claim(record, "shut").0, Verdict::Pass);
+        assert_eq!(claim(record, "step gone comes within 100 ms of waiting").0, Verdict::Fail);
+        assert_eq!((record.verdict, record.ended.as_str()), (Verdict::Fail, ""));
+    }
+}
+
 #[test]
 fn trouble_in_the_setup_keeps_the_steps_from_coming() {
     let result = run(&format!(

@@ -99,6 +99,13 @@ expect = [{ falls = { signal = "lamp", from = "press.done", within = "100 ms" } 
         crate::texts::expect(&result, Verdict::Fail);
         let alarm = claim(&result, "lit too long");
         assert_eq!((alarm.verdict, alarm.verb.as_str()), (Verdict::Fail, "alarm"));
+        // What the claim waits for did not come any more.
+        assert_eq!(
+            result.record.claims[0].verdict,
+            Verdict::Inconclusive,
+            "{}",
+            result.record.claims[0].reason
+        );
         assert!(
             result.record.reason.starts_with("lit too long: the alarm was raised"),
             "{}",
