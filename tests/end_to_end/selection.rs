@@ -133,6 +133,31 @@ fn repeated_cases_are_numbered() {
     bench.expect(0, &["judge", "lamp.toml", "out/traces/lamp#2.trace"]);
 }
 
+/// Where in the scan the press comes is left to chance: of six turns one is later than the claim allows.
+#[test]
+fn one_turn_that_fails_is_a_failure() {
+    let bench = TestProject::new();
+    bench.write_lamp(
+        "lamp.toml",
+        "at = \"start + 1 s\",",
+        "at = \"start + 1 s\", phase = { over = \"20 ms\" },",
+    );
+    bench.write("lamp.toml", &bench.read("lamp.toml").replace("500 ms .. 550 ms", "500 ms .. 520 ms"));
+    let turns = |count| ["test", "lamp.toml", "--seed", "2", "--repeat", count];
+    let ran = bench.expect(0, &turns("5"));
+    assert!(ran.out.contains("\n  lamp  5 of 5 passed\n"), "{}", ran.out);
+    let ran = bench.expect(1, &turns("6"));
+    for words in [
+        "\n  lamp  5 of 6 passed\n",
+        "margin of `lamp` rises 500 ms .. 520 ms after press:  -335.981 us .. 8.36165 ms, mean ",
+        ", spread ",
+        ", drift ",
+        "Summary: 5 passed, 1 failed",
+    ] {
+        assert!(ran.out.contains(words), "`{words}` is missing in\n{}", ran.out);
+    }
+}
+
 #[test]
 fn more_cases_than_a_record_holds_are_refused() {
     let bench = TestProject::new();
