@@ -32,7 +32,7 @@ fn pages_below(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 /// The anchor that forges give a heading: small letters, digits, `-` and `_`; blanks become `-`.
-fn anchor(heading: &str) -> String {
+pub fn anchor(heading: &str) -> String {
     let kept = heading.chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));
     kept.flat_map(char::to_lowercase).map(|c| if c == ' ' { '-' } else { c }).collect()
 }

@@ -1,4 +1,4 @@
-//! What the tests read out of a page: its tables and its blocks of code.
+//! What the tests read out of a page: its sentences, its tables and its blocks of code.
 
 use crate::project_folder::{list, root};
 
@@ -61,6 +61,21 @@ pub fn code(text: &str) -> impl Iterator<Item = &str> {
     text.split('`').skip(1).step_by(2)
 }
 
+/// The sentences of a paragraph: one ends at a full stop before a word that can begin the next. A row of a table is one.
+fn split_sentences(text: &str) -> Vec<String> {
+    let mut sentences = vec![String::new()];
+    for word in text.split_whitespace() {
+        let begins = word.starts_with(|first: char| first.is_uppercase() || "`*[(\"".contains(first));
+        let last = sentences.last_mut().expect("one at least");
+        if begins && last.ends_with('.') && !text.starts_with('|') {
+            sentences.push(word.to_owned());
+        } else {
+            *last = format!("{last} {word}").trim_start().to_owned();
+        }
+    }
+    sentences
+}
+
 impl Page {
     /// The lines outside of blocks of code, with their numbers and the heading that they stand below.
     fn prose(&self) -> impl Iterator<Item = (usize, &str, &str)> {
@@ -80,6 +95,36 @@ impl Page {
     /// The text in which line breaks are blanks, as a sentence reads.
     pub fn sentences(&self) -> String {
         self.text.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+
+    /// The sentences outside of code, each with the heading that it stands below. A row of a table is one, with its bars.
+    pub fn each_sentence(&self) -> Vec<(&str, String)> {
+        let mut paragraphs: Vec<(&str, String)> = Vec::new();
+        // The line before, if a paragraph goes on after it.
+        let mut open = None;
+        for (number, heading, line) in self.prose() {
+            let row = line.starts_with('|');
+            let item = line.trim_start().strip_prefix("- ");
+            let goes_on = open.is_some_and(|before| before + 1 == number) && !row && item.is_none();
+            let code = line.starts_with("    ") && !goes_on;
+            open = None;
+            if line.trim().is_empty() || line.starts_with('#') || code {
+                continue;
+            }
+            match paragraphs.last_mut().filter(|_| goes_on) {
+                Some((_, text)) => {
+                    text.push(' ');
+                    text.push_str(line.trim());
+                }
+                None => paragraphs.push((heading, item.unwrap_or(line).trim().to_owned())),
+            }
+            open = (!row).then_some(number);
+        }
+        let mut sentences = Vec::new();
+        for (heading, text) in paragraphs {
+            sentences.extend(split_sentences(&text).into_iter().map(|sentence| (heading, sentence)));
+        }
+        sentences
     }
 
     /// What stands below a heading, up to the next one.
@@ -152,4 +197,19 @@ fn tables_and_blocks_are_read() {
     let blocks = page.blocks();
     assert_eq!((blocks[0].language.as_str(), blocks[0].text.as_str()), ("toml", "# no\n| `x` | |\n"));
     assert_eq!((page.section("B").as_str(), page.headings()), ("## B\nc", vec!["A", "B"]));
+}
+
+#[test]
+fn sentences_are_read() {
+    let text = "# A\n\nOne\ngoes on. `two` is code. It is 1.5. ms\n- Three.\n  Four.\n- Five\n\n    not this.\n\n\
+                | a. B | c |\n## B\nSix:\n```toml\nno.\n```\nSeven\n";
+    let page = Page { name: "p".to_owned(), text: text.to_owned() };
+    let read = page.each_sentence();
+    let of = |heading: &str| {
+        let found = read.iter().filter(|(below, _)| *below == heading);
+        found.map(|(_, sentence)| sentence.as_str()).collect::<Vec<_>>()
+    };
+    let first =
+        ["One goes on.", "`two` is code.", "It is 1.5. ms", "Three.", "Four.", "Five", "| a. B | c |"];
+    assert_eq!((of("A"), of("B")), (first.to_vec(), vec!["Six:", "Seven"]));
 }

@@ -1,5 +1,5 @@
 //! The pages below `docs` beside the program that they describe: their links, their examples, and what they say of keys,
-//! verbs, powers, units, codes, options and limits.
+//! verbs, powers, units, codes, options, limits and verdicts.
 
 mod architecture;
 mod examples;
@@ -8,3 +8,4 @@ mod keys;
 mod limits;
 mod links;
 mod markdown;
+mod verdicts;
