@@ -69,6 +69,12 @@ impl KeyCounts {
         match (plan, board) {
             // A board file describes the board; a text is a plan's, or what somebody took for a description.
             (true, true) if key == "board" => self.board += usize::from(!value.starts_with(['"', '\''])),
+            // Of a board the guard is a table, of a plan a word.
+            (true, true) if key == "guard" && value.starts_with(['"', '\'']) => {
+                self.plan += 1;
+                self.included += usize::from(INCLUDED_KEYS.iter().any(|known| known.name == key));
+            }
+            (true, true) if key == "guard" => self.board += 1,
             (true, true) => self.format |= key == "format" && value.starts_with(|c: char| c.is_ascii_digit()),
             (true, false) => {
                 self.plan += 1;
@@ -108,6 +114,8 @@ mod tests {
         assert_eq!(of("format = 1\nboard = { kind = \"simulated\" }\n"), FileKind::Board);
         assert_eq!(of("\u{feff}format = 1\n[board]\nkind = \"simulated\"\n"), FileKind::Board);
         assert_eq!(of("format = 1\nboard.kind = \"simulated\"\n"), FileKind::Board);
+        assert_eq!(of("format = 1\n[guard]\nlimit = \"1 ms\"\n"), FileKind::Board);
+        assert_eq!(of("format = 1\nguard = \"none\"\nmeasure = []\n"), FileKind::Plan);
         assert_eq!(of("format = 1\n  [[wires]]\nfrom = \"Q0\"\n"), FileKind::Board);
         assert_eq!(of("format = 1\ntitle = \n"), FileKind::Unclear);
         assert_eq!(of(""), FileKind::Neither);
