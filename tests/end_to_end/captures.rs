@@ -196,6 +196,26 @@ fn a_step_that_may_have_come_in_time_or_not_is_open_with_all_that_comes_after_it
 }
 
 #[test]
+fn a_change_that_may_have_come_before_the_end_of_the_case_leaves_open_whether_it_did() {
+    let step =
+        "{ id = \"w\", when = { signal = \"b\", edge = \"rises\", from = \"start\", within = \"60 ms\" } }";
+    let value = "{ value = { of = \"a\", is = true, when = \"start\" } }";
+    let claim = "{ edges = { signal = \"b\", rising = 0, pulses-longer-than = \"4 ms\" } }";
+    // The line rises between the two rows, and the case ends 40 ms after its start.
+    for (rows, edges, comes) in [([26, 30], 1, 0), ([38, 42], 3, 3), ([40, 44], 0, 1), ([42, 46], 0, 1)] {
+        let table =
+            format!("time [ms],a,b\n0,1,0\n4,1,0\n{},1,0\n{},1,1\n60,1,1\n90,1,1\n", rows[0], rows[1]);
+        let args = ["judge", "two.toml", "two.csv", "--start", "0 ms", "--period", "4 ms"];
+        for (steps, claims, code) in [("", claim, edges), (step, value, comes)] {
+            let bench = two_lines(steps, claims);
+            bench.write("two.csv", &table);
+            let ran = bench.rig(&args);
+            assert_eq!(ran.code, Some(code), "{steps}{claims}: {rows:?} {}{}", ran.out, ran.err);
+        }
+    }
+}
+
+#[test]
 fn what_is_said_wrongly_is_refused_with_a_code() {
     let bench = bench();
     for (more, words) in [

@@ -369,8 +369,6 @@ impl Replay<'_> {
     /// `first` is the first instant of the capture, `captured` its end.
     fn run(&mut self, first: Time, captured: When, start: Option<When>) -> Result<(), TraceError> {
         let mut waiting = start;
-        let mut ended = false;
-        let wires = self.wires;
         while let Some(change) = self.changes.get(self.next) {
             // What a channel is at the first instant it was before, too: that is no edge of a case that starts there.
             let initial = change.at.latest <= first;
@@ -382,19 +380,11 @@ impl Replay<'_> {
                 waiting = None;
             }
             self.settle(change.at.latest, true)?;
-            self.next += 1;
-            let own = wires.iter().filter(|wire| wire.channel == change.channel as usize);
-            if let Some(end) = self.schedule.end().filter(|end| *end < change.at.latest) {
-                if !std::mem::replace(&mut ended, true) {
-                    self.mark(self.end_mark, end)?;
-                }
-                // It may have come before the end all the same.
-                for wire in own.filter(|_| change.at.earliest <= end) {
-                    self.take(wire, change.at, change.value)?;
-                }
-                continue;
+            if self.schedule.end().is_some_and(|end| end < change.at.latest) {
+                break;
             }
-            for wire in own {
+            self.next += 1;
+            for wire in self.wires.iter().filter(|wire| wire.channel == change.channel as usize) {
                 self.change(wire, change.at, change.value)?;
             }
         }
@@ -405,14 +395,42 @@ impl Replay<'_> {
         let last = captured.latest;
         self.settle(last, false)?;
         let end = self.schedule.end().unwrap_or(last);
-        if end > captured.earliest {
-            for wire in self.wires {
-                let signal = SignalId(wire.signal as u32);
-                self.put(signal, captured, Value::Unknown)?;
-            }
+        if end > last {
+            self.lose_all(captured)?;
             self.settle(end, false)?;
         }
-        if ended { Ok(()) } else { self.mark(self.end_mark, end) }
+        for step in 0..self.schedule.steps().len() {
+            if self.schedule.is_waiting(step) && self.may_come_by(step, end) {
+                self.leave_open(step, end)?;
+            }
+        }
+        self.mark(self.end_mark, end)?;
+        self.changes_about(end)?;
+        // The capture may end before the case.
+        if end > captured.earliest && end <= last { self.lose_all(captured) } else { Ok(()) }
+    }
+
+    /// From here on no signal is known.
+    fn lose_all(&mut self, at: When) -> Result<(), TraceError> {
+        for wire in self.wires {
+            self.put(SignalId(wire.signal as u32), at, Value::Unknown)?;
+        }
+        Ok(())
+    }
+
+    /// Changes that come after the end of the case at the latest, and may have come before it: they stand after it.
+    fn changes_about(&mut self, end: Time) -> Result<(), TraceError> {
+        for change in &self.changes[self.next..] {
+            if change.at.latest.as_nanos().saturating_sub(self.widest) > end.as_nanos() {
+                break;
+            }
+            for wire in self.wires.iter().filter(|wire| wire.channel == change.channel as usize) {
+                if change.at.earliest < end {
+                    self.take(wire, change.at, change.value)?;
+                }
+            }
+        }
+        Ok(())
     }
 
     fn start(&mut self, at: When) -> Result<(), TraceError> {
@@ -450,9 +468,12 @@ impl Replay<'_> {
         (0..self.schedule.steps().len()).filter(open).collect()
     }
 
-    /// Whether a step that did not come with what the capture has up to its limit may have come by it all the same: the
-    /// signal is not known, or a change that comes later in the capture may have happened before.
+    /// Whether a step that did not come with what the capture has up to its limit, or up to the end of the case, may have come
+    /// by it all the same: the signal is not known, or a change that comes later in the capture may have happened before.
     fn may_come_by(&self, step: usize, limit: Time) -> bool {
+        // What comes at the very end comes after it.
+        let last = |end: Time| end.saturating_add(Span::from_nanos(-1));
+        let limit = self.schedule.end().map_or(limit, |end| last(end).min(limit));
         let Timing::When { signal, .. } = self.schedule.steps()[step].timing else { return false };
         let mut before = self.trace.last(signal).map(|event| event.value);
         if !is_known(before) {
@@ -491,6 +512,8 @@ impl Replay<'_> {
     /// Nobody knows whether this step came, and with it those that come only after it.
     fn leave_open(&mut self, step: usize, at: Time) -> Result<(), TraceError> {
         self.schedule.miss(step, at);
+        // What stands after the end of the case is not judged.
+        let at = self.schedule.end().map_or(at, |end| end.min(at));
         for open in self.schedule.with_those_after(step) {
             if self.schedule.begun(open).is_none() {
                 self.put(self.schedule.steps()[open].mark, When::exactly(at), Value::Unknown)?;

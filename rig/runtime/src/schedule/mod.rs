@@ -364,10 +364,14 @@ impl Schedule {
         })
     }
 
-    /// Whether this step waits for changes of this signal, and has not come yet.
+    /// Whether this step waits, and has not come yet.
+    pub fn is_waiting(&self, step: usize) -> bool {
+        self.armed[step] && self.progress.first[step].is_none()
+    }
+
+    /// Whether it waits for changes of this signal.
     pub fn is_awaiting(&self, step: usize, signal: SignalId) -> bool {
-        self.armed[step]
-            && self.progress.first[step].is_none()
+        self.is_waiting(step)
             && matches!(self.steps[step].timing, Timing::When { signal: awaited, .. } if awaited == signal)
     }
 
