@@ -101,12 +101,18 @@ pub(crate) fn relative([earliest, latest]: [i64; 2], origin: i64) -> String {
     if earliest == latest { one(earliest) } else { format!("{} .. {}", one(earliest), one(latest)) }
 }
 
-/// A measured value with its unit: of a time an interval as `low .. high`, of all else `middle ± half of it`.
+/// A measured value with its unit: of a time an interval as `low .. high`, of all else `middle ± half of it`. Ends that are
+/// written alike are one value.
 pub(crate) fn value(measurement: &MeasurementRecord) -> String {
     match measurement.value {
         None => "never taken".to_owned(),
-        Some([low, high]) if low == high => figure(low, &measurement.unit),
-        Some([low, high]) if measurement.unit != "ns" && (high - low).is_finite() => {
+        Some([low, high]) if figure(low, &measurement.unit) == figure(high, &measurement.unit) => {
+            figure(low, &measurement.unit)
+        }
+        // Beyond 2^53 a middle would be rounded.
+        Some([low, high])
+            if measurement.unit != "ns" && low.abs().max(high.abs()) < 9_007_199_254_740_992.0 =>
+        {
             let shown = Value::measured(low + (high - low) / 2.0, (high - low) / 2.0);
             format!("{shown} {}", measurement.unit).trim_end().to_owned()
         }
@@ -219,6 +225,11 @@ mod tests {
         };
         assert_eq!(shown([4.98, 5.02], "V"), "5.000 ± 0.020 V");
         assert_eq!(shown([5.0, 5.0], "V"), "5 V");
+        assert_eq!(shown([2.82842712474619, 2.8284271247461907], "V"), "2.82842712 V");
+        assert_eq!(
+            shown([9007199254740992.0, 9007199254740994.0], "V"),
+            "9007199254740992 V .. 9007199254740994 V"
+        );
         assert_eq!(shown([1e6, 2e6], "ns"), "1 ms .. 2 ms");
         assert_eq!(shown([1.0, f64::INFINITY], "V"), "1 V .. inf V");
     }

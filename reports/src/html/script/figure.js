@@ -43,8 +43,8 @@ const between = ([low, high]) => (low === high ? span(low) : `${span(low)} .. ${
 
 const measured = (m) => {
   if (!m.value) return "never taken";
-  const [low, high] = m.value;
-  return low === high ? figure(low, m.unit) : `${figure(low, m.unit)} .. ${figure(high, m.unit)}`;
+  const [low, high] = m.value.map((end) => figure(end, m.unit));
+  return low === high ? low : `${low} .. ${high}`;
 };
 
 const given = (value) => value !== null && value !== undefined;
