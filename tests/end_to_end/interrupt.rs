@@ -71,19 +71,23 @@ fn a_run_on_the_real_clock_stops_cleanly() {
         "real",
         "--report",
         "out",
+        "--format",
+        "json",
     ]));
     let mut out = BufReader::new(child.stdout.take().unwrap());
     let err = drain(child.stderr.take().unwrap());
-    let mut first = String::new();
-    out.read_line(&mut first).unwrap();
-    assert!(first.contains("quick"), "{first}");
+    let mut line = String::new();
+    while !(line.contains("case-started") && line.contains("\"hours\"")) {
+        line.clear();
+        assert!(out.read_line(&mut line).unwrap() > 0, "the second case never begins");
+    }
     interrupt(&child, Signal::SIGINT);
     let rest = drain(out);
     assert_eq!(end(child), Some(130));
     let (rest, err) = (rest.join().unwrap(), err.join().unwrap());
     assert_eq!(err, "");
-    assert!(rest.contains("ERROR") && rest.contains("interrupted"), "{rest}");
-    assert!(rest.contains("SKIP") && rest.contains("lamp: the run ended before it"), "{rest}");
+    assert!(rest.contains("\"error\"") && rest.contains("interrupted"), "{rest}");
+    assert!(rest.contains("skipped") && rest.contains("the run ended before it"), "{rest}");
     // Everything that was seen is kept whole, and nothing is left half written.
     assert_eq!(bench.list("out"), crate::report::OUTPUTS);
     assert_eq!(bench.list("out/traces"), ["hours.trace", "hours.vcd", "quick.trace", "quick.vcd"]);

@@ -45,9 +45,6 @@ fn fuzz_targets_are_the_same_everywhere() {
     };
     let files = list(&folder.join("fuzz_targets"));
     let files: Vec<_> = files.iter().filter_map(|name| name.strip_suffix(".rs")).map(String::from).collect();
-    let run = text("run");
-    let run = run.lines().rev().find_map(|line| line.split_once("targets=(")?.1.strip_suffix(')')).unwrap();
-    assert_eq!(sorted(run.split_whitespace().map(String::from).collect()), files);
     let manifest = text("Cargo.toml");
     let bins = manifest.split("[[bin]]").skip(1);
     let bins = bins.map(|bin| bin.split('"').nth(1).unwrap().to_owned());
