@@ -1,6 +1,6 @@
 //! How far the readings of a channel may be off, as board files and instrument files say it: one reader for both.
 
-use document::{Fields, Findings, KeySpec, KeyType, Node};
+use document::{Data, Fields, Findings, KeySpec, KeyType, Node};
 use signal::Coverage;
 
 use super::{codes, number};
@@ -36,16 +36,31 @@ pub(super) const OF_BOARD: AccuracyCodes = AccuracyCodes { unit: codes::UNIT, fi
 /// is reported.
 pub fn accuracy(fields: &Fields, unit: &str, codes: AccuracyCodes, out: &mut Findings) -> Option<Accuracy> {
     let Some(inner) = fields.inner("accuracy") else { return Some(Accuracy::default()) };
-    let mut part = |key: &str, unit: &str, each: f64| match inner.get(key) {
+    let percent = |key: &str, out: &mut Findings| match inner.get(key) {
         None => Some(0.0),
-        Some(node) => width(node, unit, codes, out).map(|part| part * each),
+        Some(node) => percent(node, codes, out).map(|part| part * 0.01),
     };
     Some(Accuracy {
-        of_value: part("of-value", "%", 0.01)?,
-        of_range: part("of-range", "%", 0.01)?,
-        plus: part("plus", unit, 1.0)?,
+        of_value: percent("of-value", out)?,
+        of_range: percent("of-range", out)?,
+        plus: inner.get("plus").map_or(Some(0.0), |node| width(node, unit, codes, out))?,
         coverage: coverage(&inner, codes, out)?,
     })
+}
+
+/// A part as a number of percent, at least 0. A number alone could be a fraction, too: it is refused.
+fn percent(node: &Node, codes: AccuracyCodes, out: &mut Findings) -> Option<f64> {
+    let alone = match &node.data {
+        Data::Text(text) | Data::Float(text) => text.trim().parse().ok(),
+        Data::Integer(number) => Some(*number as f64),
+        _ => None,
+    };
+    if let Some(alone) = alone.filter(|alone: &f64| *alone != 0.0) {
+        let help = format!("write \"{alone} %\", or \"{} %\" if {alone} is a fraction", alone * 100.0);
+        out.bad(codes.unit, node, "a part has no unit", help);
+        return None;
+    }
+    width(node, "%", codes, out)
 }
 
 /// A number in this unit that is a width: at least 0. `None` where it is not, which is reported.

@@ -36,8 +36,11 @@ fn exact(node: &Node, unit: &str, code: &'static str, out: &mut Findings) -> Opt
     let number = read.in_unit(&Unit::new(unit));
     if number.is_none() {
         let help = match unit {
-            "" => String::from("its channel has no unit: write the number alone"),
-            unit => format!("its channel is in {unit}: write \"{} {unit}\"", read.number),
+            "" => format!(
+                "its channel has no unit: write `unit = \"{}\"` there, or the number alone",
+                read.unit
+            ),
+            unit => format!("its channel is in {unit}: write how much it is in {unit}"),
         };
         let place = Decimal::split(text).map(|(_, behind)| text.len() - behind.len()..text.trim_end().len());
         out.bad_inside(code, node, place.ok(), format!("the unit is {}", read.unit), help);

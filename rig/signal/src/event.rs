@@ -194,7 +194,8 @@ impl SignalInfo {
         {
             return label.clone();
         }
-        if self.unit.is_empty() { value.to_string() } else { format!("{value} {}", self.unit) }
+        let is_number = !matches!(value, Value::Unknown | Value::HighZ);
+        if self.unit.is_empty() || !is_number { value.to_string() } else { format!("{value} {}", self.unit) }
     }
 }
 

@@ -102,8 +102,17 @@ fn misdescribed(
     if counts && !given.is_empty() && Unit::new(given) != Unit::new(&of.unit) {
         let own = if of.unit.is_empty() { "no unit" } else { &of.unit };
         return misfit(
-            format!("`{name}` is in {given}, and its figures in the instrument file are in {own}"),
-            format!("write unit = \"{given}\" for it, and its figures in {given}"),
+            match channel.unit.is_empty() {
+                true => format!(
+                    "the capture gives `{name}` no unit, so that it counts in {given} as `{signal}` does, and its figures in the instrument file are in {own}"
+                ),
+                false => {
+                    format!("`{name}` is in {given}, and its figures in the instrument file are in {own}")
+                }
+            },
+            format!(
+                "write unit = \"{given}\" for it, and its figures in {given}; a column in another unit has to be converted"
+            ),
         );
     }
     None

@@ -123,6 +123,10 @@ pub fn coverages(trace: &mut Trace, wiring: &Wiring, board: &BoardFile, case: &C
 /// Writes into the trace what judging it again needs, and whose names stand behind its numbers.
 pub fn annotate(trace: &mut Trace, case: &Case, files: &CaseFiles, subject: &dyn Subject, clock: &str) {
     annotate_files(trace, case, files, clock);
+    let model = model(case, files);
+    if !model.is_empty() {
+        trace.set_note("model", model);
+    }
     for (place, (task, ..)) in subject.figures().iter().enumerate() {
         trace.set_note(&format!("task:{place}"), task.clone());
     }
@@ -137,10 +141,6 @@ pub(crate) fn annotate_files(trace: &mut Trace, case: &Case, files: &CaseFiles, 
     trace.set_note("profile", files.profile.name().to_owned());
     trace.set_note("reference", files.reference.name.to_owned());
     trace.set_note("seed", files.seed.to_string());
-    let model = model(case, files);
-    if !model.is_empty() {
-        trace.set_note("model", model);
-    }
     trace.set_note("clock", clock.to_owned());
     for (name, value) in &case.parameters {
         trace.set_note(&format!("parameter:{name}"), value.clone());

@@ -232,7 +232,7 @@ fn rate(node: &Node, out: &mut Findings) -> Option<u64> {
         _ if parts.is_negative() => None,
         Some(whole) => u64::try_from(whole).ok(),
         // Finer than is counted: the next greater part.
-        None => Some(parts.as_f64().floor() as u64 + 1),
+        None => Some((parts.as_f64().floor() as u64).saturating_add(1)),
     };
     let right = parts.filter(|parts| *parts <= MAX_RATE_ERROR);
     if right.is_none() {
@@ -241,10 +241,18 @@ fn rate(node: &Node, out: &mut Findings) -> Option<u64> {
     right
 }
 
+/// The most that stamps are moved by, days: what counts from 1970 has less.
+const MOST_MOVED: i64 = 36_500;
+
 /// A duration that may be below 0; 0 where there is none.
 fn moved(fields: &Fields, key: &str, out: &mut Findings) -> Span {
     let Some(node) = fields.get(key) else { return Span::ZERO };
+    let most = Span::from_nanos(MOST_MOVED * 86_400_000_000_000);
     let read = node.as_text().and_then(|text| Span::parse(text).ok());
+    if let Some(span) = read.filter(|span| span.as_nanos().unsigned_abs() > most.as_nanos().unsigned_abs()) {
+        let message = format!("`{key}` moves stamps by {span}");
+        out.bad(codes::INSTRUMENT_ERROR, node, message, format!("write at most {MOST_MOVED} d"));
+    }
     if read.is_none() {
         let help = "write a duration such as \"10 ns\" or \"-1.2 us\"";
         out.bad(codes::INSTRUMENT_ERROR, node, format!("`{key}` does not read as a duration"), help);
@@ -372,6 +380,10 @@ mod tests {
             ("[timebase]\nerror = \"1 V\"", "R0212"),
             ("[timebase]\nerror = 25", "R0212"),
             ("[timebase]\noffset = \"soon\"", "R0212"),
+            ("[timebase]\nerror = \"1e308 %\"", "R0212"),
+            ("[timebase]\noffset = \"-9223372036854775808 ns\"", "R0212"),
+            ("[channels.CH1]\ndelay = \"100000 d\"", "R0212"),
+            ("[channels.CH1]\naccuracy = { of-value = 0.015 }", "R0212"),
             ("[timebase]\ncoverage = \"often\"", "R0212"),
             ("[channels.CH1]\nthreshold = \"2.5 V\"", "R0212"),
             ("[channels.CH1]\nunit = \"V\"\nthreshold = \"2.5 A\"", "R0212"),
