@@ -26,14 +26,14 @@ pub enum Effect {
     /// An output may have shown a pulse of which the model has none: a command was taken back before its edge came out. Only
     /// with [`crate::Config::worst_case`].
     Unsettled {
-        /// When it certainly shows again what it did before.
+        /// When it certainly shows again what it did before, or the level that an effect after this one reports.
         at: Time,
         /// Which one.
         terminal: Terminal,
-        /// By how much earlier it may have left that.
+        /// By how much earlier it may have left what it showed before.
         left: Span,
-        /// By how much earlier it may have come back to it.
-        back: Span,
+        /// By how much earlier it may have come back to it; none where another level follows, so that it may never have.
+        back: Option<Span>,
     },
     /// An output terminal pulses until it changes, without an edge being reported: [`crate::Controller::offload_pulses`]. Where it
     /// pulses already, from the end of its period on.

@@ -157,3 +157,22 @@ fn a_claim_that_looks_lost_ends_no_case_early() {
     let worst = run_with("model = \"worst case\"\n", &claims, true).record;
     assert_eq!((verdicts(&worst)[0], worst.ended.as_str()), (Verdict::Inconclusive, ""));
 }
+
+#[test]
+fn a_stage_that_goes_off_late_may_never_have_gone_off_before_the_next_command() {
+    let claims = "steps = [
+      { id = \"blip\", at = \"start + 1 ms\", write = { of = \"blip\", value = true } },
+      { id = \"set\", at = \"blip + 100 us\", write = { of = \"on\", value = true } },
+    ]
+    ends = \"start + 3 ms\"
+    expect = [
+      { rises = { signal = \"out\", from = \"set\", within = \"80 us\" } },
+      { stays = { signal = \"out\", is = true, from = \"blip + 60 us\", until = \"end\" } },
+      { stays = { signal = \"out\", is = true, from = \"set + 80 us\", until = \"end\" } },
+    ]";
+    assert_eq!(verdicts(&exact(claims).record), [Verdict::Pass, Verdict::Fail, Verdict::Pass]);
+    assert_eq!(
+        verdicts(&worst(claims).record),
+        [Verdict::Inconclusive, Verdict::Inconclusive, Verdict::Pass]
+    );
+}

@@ -54,11 +54,11 @@ impl OutputTerminal {
         }
     }
 
-    /// What a faster stage may have shown up to `at`.
-    fn unsettled(&mut self, output: usize, at: Time) -> Option<Effect> {
+    /// What a faster stage may have shown up to `at`, when it is `back` or shows another level.
+    fn unsettled(&mut self, output: usize, at: Time, is_back: bool) -> Option<Effect> {
         let TakenBack { since, back } = self.taken_back.take()?;
         let terminal = Terminal::output(output);
-        Some(Effect::Unsettled { at, terminal, left: at - since, back: at - back })
+        Some(Effect::Unsettled { at, terminal, left: at - since, back: is_back.then(|| at - back) })
     }
 }
 
@@ -243,7 +243,7 @@ impl Outputs {
         for output in self.pending {
             let terminal = &mut self.terminals[output];
             terminal.take_back(now);
-            if let Some(unsettled) = terminal.unsettled(output, now) {
+            if let Some(unsettled) = terminal.unsettled(output, now, true) {
                 report(unsettled);
             }
         }
@@ -260,7 +260,10 @@ impl Outputs {
                 let changed = std::mem::replace(&mut terminal.shown, terminal.next) != terminal.next;
                 self.pending.remove(output);
                 let (at, cause) = (terminal.at, terminal.cause);
-                if let Some(unsettled) = terminal.unsettled(output, at) {
+                let unsettled = terminal.unsettled(output, at, !changed);
+                // After a pulse that a faster stage may have shown, such a stage may have the new level since then.
+                let is_known = unsettled.is_none();
+                if let Some(unsettled) = unsettled {
                     report(unsettled);
                 }
                 if !changed {
@@ -268,7 +271,8 @@ impl Outputs {
                 }
                 report(match terminal.shown {
                     Shown::Level(level) => {
-                        let early = if terminal.at_most { at - terminal.since } else { Span::ZERO };
+                        let early =
+                            if terminal.at_most && is_known { at - terminal.since } else { Span::ZERO };
                         let (terminal, value) = (Terminal::output(output), Value::from(level));
                         Effect::Terminal { at, terminal, value, cause, early }
                     }
@@ -393,7 +397,7 @@ mod tests {
     }
 
     fn unsettled(output: usize, at: i64, left: i64, back: i64) -> Effect {
-        let [left, back] = [left, back].map(Span::from_micros);
+        let (left, back) = (Span::from_micros(left), Some(Span::from_micros(back)));
         Effect::Unsettled { at: us(at), terminal: Terminal::output(output), left, back }
     }
 
@@ -451,7 +455,10 @@ mod tests {
         set(&mut out, 1_030, false);
         set(&mut out, 1_050, true);
         assert_eq!(fired(&mut out, 1_083), []);
-        assert_eq!(fired(&mut out, 1_084), [unsettled(4, 1_084, 84, 54), edge(4, 1_084, Level::High, 34)]);
+        // A stage that is on at once and off late has been on all the while: nothing is known until it is on for certain.
+        let (left, terminal) = (Span::from_micros(84), Terminal::output(4));
+        let not_back = Effect::Unsettled { at: us(1_084), terminal, left, back: None };
+        assert_eq!(fired(&mut out, 1_084), [not_back, edge(4, 1_084, Level::High, 0)]);
         // What is to come when the case ends may be there already.
         set(&mut out, 2_000, false);
         let mut list = Vec::new();

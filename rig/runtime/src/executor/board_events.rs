@@ -27,18 +27,21 @@ impl Executor<'_> {
     }
 
     /// An output may have left its level in a way that the model does not have, `left` before `at`, and come back `back` before
-    /// `at` or later. Only the trace has it: what the rig does goes by the model.
-    pub(super) fn record_unsettled(&mut self, at: Time, terminal: Terminal, left: Span, back: Span) {
+    /// `at` or later, or not at all where another level follows at `at`. Only the trace has it: what the rig does goes by the
+    /// model.
+    pub(super) fn record_unsettled(&mut self, at: Time, terminal: Terminal, left: Span, back: Option<Span>) {
         let Some(channel) = self.parts.wiring.channel_of(terminal) else { return };
         let place = usize::from(channel.0);
-        let (left, back) = (at.saturating_add(-left), at.saturating_add(-back));
+        let (left, back) = (at.saturating_add(-left), back.map(|back| at.saturating_add(-back)));
         for signal in &self.parts.wiring.channels[place] {
             let before = self.parts.recorder.trace().last(*signal).map(|event| event.value);
             let Some(value) = before.filter(|value| *value != Value::Unknown) else { continue };
             let cause = Cause::Gap(SignalGap::Delay);
             self.parts.recorder.record(*signal, When::exactly(left), Value::Unknown, cause);
-            let cause = self.parts.wiring.writers[place];
-            self.parts.recorder.record(*signal, When::within(back, at), value, cause);
+            if let Some(back) = back {
+                let cause = self.parts.wiring.writers[place];
+                self.parts.recorder.record(*signal, When::within(back, at), value, cause);
+            }
         }
     }
 
