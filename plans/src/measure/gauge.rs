@@ -274,6 +274,10 @@ impl Gauge {
                     }
                 }
                 let Some(extent) = extent else { return open(record, "the value is not known") };
+                // A value that changes about the instant is one or the other, and none between them.
+                let values: Vec<_> = candidates.iter().map(|candidate| candidate.seen.value).collect();
+                let is_one = values.windows(2).all(|pair| pair[0] == pair[1]);
+                let bounds = if is_one { bounds } else { bounds.guarded(GuardBand::Uncertainty) };
                 judge(record, &bounds, extent)
             }
             GaugeState::Over(over) => over.finish(record, &bounds),

@@ -59,6 +59,8 @@ pub const NO_PICTURE: &str = "R0141";
 pub const CLAIM_WITHOUT_CHOICE: &str = "R0145";
 /// A signal that nothing moves, or that the rig cannot see.
 pub const SIGNAL_NOT_MOVED: &str = "R0146";
+/// A fault on the line of an output whose edges are intervals.
+pub const FAULT_IN_WORST_CASE: &str = "R0234";
 /// A need that the bench does not meet.
 pub const NEED_NOT_MET: &str = "R0147";
 /// A limit that is closer than the signal is known.
@@ -262,6 +264,7 @@ pub const CODES: &[(&str, &str)] = &[
     ("R0231", "A run in which no case was judged"),
     ("R0232", "Output that cannot be written"),
     ("R0233", "Cases that cannot be in one run"),
+    (FAULT_IN_WORST_CASE, "A fault on a line whose edges may come at any time within their delay"),
     ("R0240", "A machine without GPIO lines"),
     ("R0241", "A chip that cannot be looked at"),
     ("R0242", "A board file that is there already"),

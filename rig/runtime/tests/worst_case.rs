@@ -3,6 +3,7 @@
 use crate::common::events;
 use crate::texts::Texts;
 use record::{CaseRecord, Verdict};
+use scanrig_runtime::case::jobs::JobResult;
 use scanrig_runtime::case::rejudge;
 use scanrig_runtime::{CaseResult, ClockKind, RunOptions};
 use signal::{Event, LoadLimits, Trace};
@@ -175,4 +176,25 @@ fn a_stage_that_goes_off_late_may_never_have_gone_off_before_the_next_command() 
         verdicts(&worst(claims).record),
         [Verdict::Inconclusive, Verdict::Inconclusive, Verdict::Pass]
     );
+}
+
+#[test]
+fn a_fault_on_the_line_of_an_output_is_refused() {
+    let claims = "needs = [\"faults\"]
+    steps = [
+      { id = \"set\", at = \"start + 1 ms\", write = { of = \"on\", value = true } },
+      { id = \"stuck\", at = \"set + 10 us\", fault = { signal = \"out\", kind = \"stuck\", value = false } },
+    ]
+    ends = \"start + 3 ms\"
+    expect = [{ edges = { signal = \"out\", rising = 0 } }]";
+    let interrupt = AtomicBool::new(false);
+    let options = RunOptions::new(ClockKind::Virtual, &interrupt);
+    let refused = |model: &str| {
+        let plan = format!("{HEAD}{model}{claims}");
+        match Texts(&[("plan.toml", &plan), ("p.st", PROGRAM)]).done(1, &options) {
+            JobResult::Findings(found) => found.iter().any(|one| one.code == "R0234"),
+            _ => false,
+        }
+    };
+    assert!(!refused("") && refused("model = \"worst case\"\n"));
 }

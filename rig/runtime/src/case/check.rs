@@ -14,6 +14,7 @@ use drivers::{Board, BoardFile, ChannelId};
 use plans::bench::{Doubt, SignalBounds, doubt};
 use plans::expect::{ClaimDemand, Expectation};
 use plans::lang::Literal;
+use plans::plan::DelayModel;
 use plans::signals::{FileFigure, RowFigure, SignalBinding, SignalSource, TaskFigure};
 use plans::steps::Stimulus;
 use plans::{Case, PlanStep};
@@ -66,6 +67,7 @@ pub(crate) fn claims(looked: &CaseOnBench<'_>) -> Vec<Diagnostic> {
         found.push(at(one, looked, expectation));
     }
     found.extend(case.steps.iter().filter_map(|step| looked.beyond_type(step)));
+    found.extend(looked.faults_in_worst_case());
     for (step, planned) in case.steps.iter().zip(&looked.prepared.steps) {
         let Timing::When { signal, .. } = &planned.timing else { continue };
         if let Some(channel) = looked.channel_of(*signal).filter(|channel| moved.is_still(*channel)) {
@@ -201,6 +203,25 @@ impl CaseOnBench<'_> {
         let message = format!("`{path}` cannot have the value that the step `{}` writes", step.id);
         let found = Diagnostic::error(codes::VALUE_MISFIT, message).help(help);
         Some(found.at(&self.files.plan.name, step.span.clone(), ""))
+    }
+
+    /// Faults on lines of outputs whose edges are intervals: what such a line shows is not followed.
+    fn faults_in_worst_case(&self) -> impl Iterator<Item = Diagnostic> {
+        let is_worst = self.case.model == DelayModel::WorstCase && !self.files.board.subject.is_external();
+        let steps = self.case.steps.iter().zip(&self.prepared.steps).filter(move |_| is_worst);
+        steps.filter_map(|(step, planned)| {
+            let wiring = &self.prepared.wiring;
+            let on_output = |act: &Act| match act {
+                Act::Fault(fault) => wiring.outputs().any(|(_, channel)| channel == fault.channel),
+                _ => false,
+            };
+            planned.acts.iter().find(|(_, act)| on_output(act))?;
+            let message =
+                format!("the step `{}` puts a fault on an output in the worst case of the model", step.id);
+            let found = Diagnostic::error(codes::FAULT_IN_WORST_CASE, message);
+            let found = found.help("put it on the line of an input, or remove `model = \"worst case\"`");
+            Some(found.at(&self.files.plan.name, step.span.clone(), ""))
+        })
     }
 
     /// The channel that a signal shows.
