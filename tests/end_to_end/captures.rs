@@ -196,6 +196,29 @@ fn a_step_that_may_have_come_in_time_or_not_is_open_with_all_that_comes_after_it
 }
 
 #[test]
+fn what_counts_from_a_step_moves_with_it_where_it_is_laid_elsewhere() {
+    let steps = "{ id = \"press\", at = \"start + 1 ms\", set = { signal = \"a\", value = true } }, \
+        { id = \"after\", at = \"press + 2 ms\", mark = {} }, { id = \"last\", at = \"after + 1 ms\", mark = {} }, \
+        { id = \"wait\", when = { signal = \"b\", edge = \"falls\", from = \"after + 1 ms\", within = \"10 ms\" } }, \
+        { id = \"group\", at = \"press + 1 ms\", run = { group = \"more\" } }";
+    let claims = "{ value = { of = \"b\", is = true, when = \"after\" } }, { value = { of = \"b\", is = true, when = \"last\" } }, \
+        { value = { of = \"b\", is = false, when = \"press\" } }, { value = { of = \"b\", is = true, when = \"group.in\" } }";
+    let bench = two_lines(steps, claims);
+    let plan = bench.read("two.toml").replace("ends = \"start + 40 ms\"", "ends = \"press + 20 ms\"");
+    bench.write(
+        "two.toml",
+        &format!("{plan}[group.more]\nsteps = [{{ id = \"in\", at = \"begin + 1 ms\", mark = {{}} }}]\n"),
+    );
+    // The button is pressed 10 ms after the start, and not 1 ms as in the plan; the other line is TRUE from 11 to 20 ms.
+    bench.write(
+        "two.vcd",
+        "$timescale 1 us $end\n$var wire 1 ! a $end\n$var wire 1 % b $end\n$enddefinitions $end\n\
+         #0\n0!\n0%\n#10000\n1!\n#11000\n1%\n#20000\n0%\n#31000\n0!\n",
+    );
+    bench.expect(0, &["judge", "two.toml", "two.vcd", "--start", "0 ms", "--at", "press=a rises"]);
+}
+
+#[test]
 fn a_change_that_may_have_come_before_the_end_of_the_case_leaves_open_whether_it_did() {
     let step =
         "{ id = \"w\", when = { signal = \"b\", edge = \"rises\", from = \"start\", within = \"60 ms\" } }";

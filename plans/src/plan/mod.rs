@@ -156,8 +156,13 @@ pub struct PlanStep {
     pub part: CasePart,
     /// When it comes.
     pub when: StepTime,
+    /// Place of the step that its time counts from as it is written: where that lies elsewhere than the plan has it, as in a
+    /// capture, this one moves with it.
+    pub counts_from: Option<usize>,
     /// How it comes more than once.
     pub repeat: Option<StepRepeat>,
+    /// Place of the step that the `until` of its repetition counts from.
+    pub until_from: Option<usize>,
     /// Place of the step that runs its group.
     pub parent: Option<usize>,
     /// What it does.
@@ -207,6 +212,8 @@ pub struct Case {
     pub alarms: Vec<Arc<Alarm>>,
     /// The end of the case; its base is as that of [`StepTime::At`].
     pub ends: Anchor,
+    /// Place of the step that its end counts from as it is written.
+    pub ends_from: Option<usize>,
     /// Most modelled time from power-on to the end of the case.
     pub timeout: Span,
     /// Most modelled time of the teardown.

@@ -129,7 +129,21 @@ impl StepReader<'_> {
         let id = placed.id().unwrap_or(id);
         let repeat = if placed.turn.is_some() { None } else { repeat? };
         let (span, part, parent) = (node.span.clone(), placed.part, placed.parent);
-        Some((PlanStep { id, part, when, repeat, parent, stimulus, refused, span, line }, written))
+        let (counts_from, until_from) = (None, None);
+        let step = PlanStep {
+            id,
+            part,
+            when,
+            counts_from,
+            repeat,
+            until_from,
+            parent,
+            stimulus,
+            refused,
+            span,
+            line,
+        };
+        Some((step, written))
     }
 
     /// How the step comes more than once: `None` after it reported what is wrong, `Some(None)` for once.

@@ -86,6 +86,8 @@ enum VisitMark {
 pub(super) struct CaseTimes {
     /// Its end.
     pub(super) ends: Anchor,
+    /// Place of the step that it counts from.
+    pub(super) ends_from: Option<usize>,
     /// The time that it may take.
     pub(super) allowance: Span,
     /// The time that its teardown may take.
@@ -143,8 +145,20 @@ pub(super) fn resolve(
     let teardown = allowance(steps, &places, &untils, CasePart::Teardown);
     let main = allowance(steps, &places, &untils, CasePart::Main);
     let ids: Vec<String> = steps.iter().map(|step| step.id.clone()).collect();
+    let mut base_of = |at: usize| chain.base_of(at, out).ok().flatten().filter(|base| *base < ids.len());
+    let bases: Vec<Option<usize>> = (0..=ids.len()).map(&mut base_of).collect();
+    let until_bases: Vec<Option<usize>> = (0..ids.len()).map(|at| chain.until_base(at, out)).collect();
+    // An end that the plan does not say comes after the last step.
+    let ends_from = match ends.is_some() {
+        true => bases[ids.len()],
+        false => (0..ids.len())
+            .filter(|at| steps[*at].part == CasePart::Main)
+            .filter(|at| places[*at].is_some_and(|place| place.root == end.root))
+            .max_by_key(|at| places[*at].map(|place| place.nanos)),
+    };
     for (at, step) in steps.iter_mut().enumerate() {
         let anchor = to_anchor(places[at]?, &ids);
+        (step.counts_from, step.until_from) = (bases[at], until_bases[at]);
         match &mut step.when {
             StepTime::At(time) => *time = anchor,
             StepTime::When { from, .. } => {
@@ -158,7 +172,7 @@ pub(super) fn resolve(
         }
     }
     let allowance = main + Span::from_nanos(i64::try_from(end.nanos.max(0)).unwrap_or(i64::MAX));
-    Some(CaseTimes { ends: to_anchor(end, &ids), allowance, teardown })
+    Some(CaseTimes { ends: to_anchor(end, &ids), ends_from, allowance, teardown })
 }
 
 /// The chain of what depends on what. Every step depends on exactly one thing, so following is a walk, not a search.
@@ -369,6 +383,14 @@ impl TimeChain<'_, '_> {
             }
         }
         untils
+    }
+
+    /// The step that the `until` of a repetition counts from.
+    fn until_base(&self, at: usize, out: &mut Findings) -> Option<usize> {
+        let step = &self.steps[at];
+        let Some(StepRepeat::Every { until: Some(until), .. }) = &step.repeat else { return None };
+        let node = self.written[at].until.unwrap_or(self.written[at].node);
+        self.base_in(&until.base, step.part, node, out).ok().flatten().filter(|base| *base < self.steps.len())
     }
 
     fn report_cycle(&self, path: &[usize], at: usize, out: &mut Findings) {

@@ -8,7 +8,7 @@
 use crate::case::look_up;
 use crate::prepare::PreparedCase;
 use crate::schedule::case_ending::CaseEnding;
-use crate::schedule::{Act, Due, EndReason, Schedule, Timing};
+use crate::schedule::{Act, Due, EndReason, PlannedStep, Schedule, Timing};
 use crate::suite::case_files::CaseFiles;
 use crate::suite::describe;
 use crate::suite::instrument_file::InstrumentFile;
@@ -17,6 +17,7 @@ use document::Diagnostic;
 use plans::Case;
 use plans::judge::{INSTANTS_COVERAGE_NOTE, coverage_note};
 use plans::lang::{Anchor, AnchorBase};
+use plans::plan::StepRepeat;
 use plans::steps::CasePart;
 use signal::{
     Cause, ClockDomain, Coverage, Event, Policy, Sampling, SignalId, SignalInfo, Span, Time, Trace,
@@ -97,8 +98,10 @@ impl ChannelMapping {
     pub fn described(mut self, info: &SignalInfo, instrument: &InstrumentFile, name: &str) -> ChannelMapping {
         if let Some(channel) = instrument.channel(name) {
             if info.kind == ValueKind::Bool {
-                self.threshold = self.threshold.or(channel.threshold);
-                self.hysteresis = channel.hysteresis;
+                // A threshold of the command line stands for both of the file's.
+                if self.threshold.is_none() {
+                    (self.threshold, self.hysteresis) = (channel.threshold, channel.hysteresis);
+                }
             }
             self.error = channel.error;
             self.coverage = channel.coverage;
@@ -224,14 +227,9 @@ pub fn trace(
     }
     let count = trace.signals().len();
     let mut widths = vec![0; steps.len()];
+    let mut ends = case.ends.clone();
     if let Some(instants) = instants {
-        for (step, own) in steps.iter_mut().zip(&mut widths) {
-            if let Some((_, at)) = instants.steps.iter().find(|(id, _)| *id == step.id) {
-                let offset = at.latest - instants.start.latest;
-                step.timing = Timing::At(Anchor { base: AnchorBase::Start, offset });
-                *own = width(*at);
-            }
-        }
+        lay_steps(&mut steps, &mut widths, &mut ends, case, instants);
     }
     let width_of = |change: &CapturedChange| width(change.at);
     let mut replay = Replay {
@@ -244,7 +242,7 @@ pub fn trace(
         start_mark: trace.find("step:start"),
         main_mark: trace.find("step:main"),
         end_mark: trace.find("step:end"),
-        schedule: Schedule::new(steps, case.ends.clone()),
+        schedule: Schedule::new(steps, ends),
         trace,
         width: instants.map_or(0, |instants| width(instants.start)),
         widths,
@@ -253,6 +251,61 @@ pub fn trace(
     replay.run(capture.span[0], capture.end, instants.map(|instants| instants.start))?;
     CaseEnding { early: replay.schedule.early_end(), ..CaseEnding::default() }.write_to(&mut replay.trace);
     Ok(replay.trace)
+}
+
+/// Lays steps where the user says that they are, and with them what counts from them: other steps, and the end of the case.
+fn lay_steps(
+    steps: &mut [PlannedStep],
+    widths: &mut [i64],
+    ends: &mut Anchor,
+    case: &Case,
+    instants: &Instants,
+) {
+    let laid: Vec<Option<When>> = steps
+        .iter()
+        .map(|step| instants.steps.iter().find(|(id, _)| *id == step.id).map(|(_, at)| *at))
+        .collect();
+    let planned: Vec<Option<Anchor>> = steps
+        .iter()
+        .map(|step| match &step.timing {
+            Timing::At(anchor) => Some(anchor.clone()),
+            Timing::When { .. } => None,
+        })
+        .collect();
+    let since_start = |at: When| at.latest - instants.start.latest;
+    // The laid step that something counts from, through others.
+    let root = |mut from: Option<usize>| loop {
+        let step = from?;
+        match laid[step] {
+            Some(at) => return Some((step, at)),
+            None => from = case.steps.get(step)?.counts_from,
+        }
+    };
+    let moved = |anchor: &mut Anchor, from: Option<usize>| -> Option<When> {
+        let (step, at) = root(from)?;
+        let before = planned[step].as_ref().filter(|before| before.base == anchor.base)?;
+        *anchor =
+            Anchor { base: AnchorBase::Start, offset: since_start(at) + (anchor.offset - before.offset) };
+        Some(at)
+    };
+    for (place, step) in steps.iter_mut().enumerate() {
+        let Some(written) = case.steps.get(place) else { break };
+        if let (Some(StepRepeat::Every { until: Some(until), .. }), Some(from)) =
+            (&mut step.repeat, written.until_from)
+        {
+            moved(until, Some(from));
+        }
+        if let Some(at) = laid[place] {
+            step.timing = Timing::At(Anchor { base: AnchorBase::Start, offset: since_start(at) });
+            widths[place] = width(at);
+            continue;
+        }
+        let (Timing::At(anchor) | Timing::When { from: anchor, .. }) = &mut step.timing;
+        if let Some(at) = moved(anchor, written.counts_from) {
+            widths[place] = width(at);
+        }
+    }
+    moved(ends, case.ends_from);
 }
 
 /// What the trace knows of a signal that this instrument saw.
