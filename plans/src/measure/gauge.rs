@@ -1,5 +1,7 @@
 //! Taking a measurement.
 
+use std::cmp::Ordering;
+
 use record::{Figure, GuardBand, MeasurementRecord, Verdict};
 use signal::{Decimal, SignalInfo, ValueKind};
 
@@ -59,6 +61,10 @@ impl LimitNumbers {
     /// What of a figure is held against them: all of it, or without a guard band its middle, exactly. A figure without an
     /// end has none.
     fn judged(&self, (low, high): Extent) -> Extent {
+        // What is known exactly is its own middle.
+        if low.compare(high) == Some(Ordering::Equal) {
+            return (low, high);
+        }
         let middle = low.plus(high).times(Number::Real(0.5));
         match self.guard {
             GuardBand::None if middle.as_real().is_finite() => (middle, middle),

@@ -313,12 +313,12 @@ fn system_out(case: &CaseRecord, folder: &str, passed: bool) -> String {
         let facts: Vec<String> =
             limits.into_iter().chain(coverage.map(|words| format!("coverage {words}"))).collect();
         let facts = if facts.is_empty() { String::new() } else { format!(" ({})", facts.join("; ")) };
-        line(&format!("{} {} = {}{facts}", m.verdict, m.name, show::value(m)));
+        line(&plain(&format!("{} {} = {}{facts}", m.verdict, m.name, show::value(m))));
     }
     if let Some(instrument) = &case.instrument {
-        line(&format!("instrument {} {}", instrument.file, instrument.title));
+        line(&plain(&format!("instrument {} {}", instrument.file, instrument.title)));
         for (of, stated) in show::instrument(instrument) {
-            line(&format!("  {of}: {stated}"));
+            line(&plain(&format!("  {of}: {stated}")));
         }
     }
     for file in [brief::waves(case), brief::frames(case)].into_iter().flatten().filter(|_| !passed) {
@@ -326,6 +326,11 @@ fn system_out(case: &CaseRecord, folder: &str, passed: bool) -> String {
         line(&format!("[[ATTACHMENT|{file}]]"));
     }
     out
+}
+
+/// Words of a user's file, which shall not be taken for an attachment or a property.
+fn plain(text: &str) -> String {
+    text.replace("[[", "[ [")
 }
 
 fn seconds(ms: u64) -> String {

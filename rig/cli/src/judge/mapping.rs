@@ -4,7 +4,7 @@ use capture::{Capture, CapturedChannel, ChannelType};
 use document::{Diagnostic, suggest};
 use runtime::case::capture_import::{ChannelMapping, misfit};
 use runtime::suite::instrument_file::{InstrumentChannel, InstrumentFile};
-use signal::{SignalInfo, Unit, ValueKind};
+use signal::{SignalInfo, Unit, Value, ValueKind};
 
 /// Channels that a message names at most.
 const NAMED: usize = 16;
@@ -60,7 +60,8 @@ pub fn wires(
         if let Some(instrument) = instrument {
             let described = instrument.channel(&channel.name);
             // A threshold of the command line rules over that of the file.
-            found.extend(described.and_then(|of| misdescribed(channel, info, of, wire.threshold.is_some())));
+            let is_told = wire.threshold.is_some() || is_always_off(capture, wire.channel);
+            found.extend(described.and_then(|of| misdescribed(channel, info, of, is_told)));
             *wire = wire.described(info, instrument, &channel.name);
         }
         // A column of zeros and ones may be numbers as well.
@@ -71,18 +72,27 @@ pub fn wires(
     if found.is_empty() { Ok(wires) } else { Err(found) }
 }
 
-/// What an instrument file says of a channel that the channel, or its signal, cannot have.
+/// Whether a channel is 0 all along: a dead line has no bits and no volts.
+fn is_always_off(capture: &Capture, channel: usize) -> bool {
+    capture
+        .changes
+        .iter()
+        .all(|change| change.channel as usize != channel || change.value == Value::Bool(false))
+}
+
+/// What an instrument file says of a channel that the channel, or its signal, cannot have. `is_told` where it is no question
+/// whether it has bits or volts.
 fn misdescribed(
     channel: &CapturedChannel,
     info: &SignalInfo,
     of: &InstrumentChannel,
-    threshold: bool,
+    is_told: bool,
 ) -> Option<Diagnostic> {
     let (name, signal) = (&channel.name, &info.name);
     let misfit = |message: String, help: String| Some(Diagnostic::error("R0213", message).help(help));
     let has_errors = of.error.of_value > 0.0 || of.error.plus > 0.0;
     let line = info.kind == ValueKind::Bool;
-    if line && !threshold && of.threshold.is_some() && channel.shape == ChannelType::Bit {
+    if line && !is_told && of.threshold.is_some() && channel.shape == ChannelType::Bit {
         return misfit(
             format!("`{name}` has bits in the capture and a threshold in the instrument file"),
             format!("remove the threshold, or say that it has volts: --map \"{name}={signal}@2.5\""),

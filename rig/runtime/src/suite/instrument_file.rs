@@ -188,6 +188,11 @@ pub fn read(file: &SourceFile) -> Result<InstrumentFile, Vec<Diagnostic>> {
     let timebase = clock.as_ref().map(|clock| timebase(clock, &mut out)).unwrap_or_default();
     let coverage = clock.and_then(|clock| accuracy::coverage(&clock, FIGURES, &mut out)).unwrap_or_default();
     let entries = fields.get("channels").and_then(Node::as_table).map_or(&[][..], |table| &table.entries);
+    if let Some(one) = entries.get(MOST_CHANNELS) {
+        let message = format!("the file has {} channels", entries.len());
+        let help = format!("leave {MOST_CHANNELS} at most: those that are mapped to signals");
+        out.error(codes::INSTRUMENT_ERROR, one.key_span.clone(), message, help);
+    }
     let mut channels = Vec::new();
     for entry in entries {
         let Some(table) = entry.node.as_table() else { continue };
@@ -240,6 +245,9 @@ fn rate(node: &Node, out: &mut Findings) -> Option<u64> {
     }
     right
 }
+
+/// The most channels of a file: each is looked for among those of a capture.
+const MOST_CHANNELS: usize = 256;
 
 /// The most that stamps are moved by, days: what counts from 1970 has less.
 const MOST_MOVED: i64 = 36_500;
