@@ -153,8 +153,15 @@ impl Keeps {
         let test = self.test(info).map_err(NotJudged::NoMeaning)?;
         let watched = vec![KeptSignal { test, slack: slack(info), info: info.clone() }];
         let open = scene.is_open(&self.between.until);
-        let common =
-            Common { claim: self.clone(), watched, segments, open, end: scene.earliest_end(), counts_until };
+        let common = Common {
+            claim: self.clone(),
+            watched,
+            segments,
+            open,
+            end: scene.earliest_end(),
+            counts_until,
+            weighs: true,
+        };
         Ok(Box::new(SingleSignalMonitor::new(common)))
     }
 
@@ -200,8 +207,13 @@ impl TraceClaim for Keeps {
         value.into_iter().chain([self.between.demand()]).collect()
     }
 
-    fn pulses(&self, _: &SignalInfo) -> PulseRule {
-        PulseRule::breaks(self.longer_than).weighed(LONGER.name)
+    fn pulses(&self, info: &SignalInfo) -> PulseRule {
+        let rule = PulseRule::breaks(self.longer_than);
+        match self.signals.len() {
+            1 => rule.of_level(self.test(info).ok()),
+            // Of several signals it is the time together that counts.
+            _ => rule.weighed(LONGER.name),
+        }
     }
 
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
@@ -221,6 +233,7 @@ impl TraceClaim for Keeps {
             open,
             end: scene.earliest_end(),
             counts_until: (i64::MAX, i64::MAX),
+            weighs: self.signals.len() > 1,
         };
         if self.signals.len() > 1 {
             let lags = self.signals.iter().map(|name| scene.lag(name)).collect();
@@ -248,12 +261,14 @@ pub(super) struct Common {
     pub(super) end: i64,
     /// Up to when the width of a forbidden stretch counts, at the earliest and at the latest; `i64::MAX` where all of it does.
     pub(super) counts_until: (i64, i64),
+    /// Forbidden stretches are held against the shortest that counts here; else short ones were taken out before.
+    pub(super) weighs: bool,
 }
 
 impl Common {
     /// What a forbidden stretch counts for, by its width.
     pub(super) fn weigh(&self, class: Truth, start: &TimedValue, end: (i64, i64)) -> Truth {
-        let Some(longer) = self.claim.longer_than else { return class };
+        let Some(longer) = self.claim.longer_than.filter(|_| self.weighs) else { return class };
         let end = (end.0.min(self.counts_until.0), end.1.min(self.counts_until.1));
         let width = (end.0.saturating_sub(start.b).max(0), end.1.saturating_sub(start.a));
         match class {
