@@ -209,10 +209,7 @@ impl TraceClaim for FirstEdgeClaim {
             claim: self.clone(),
             info: info.clone(),
             finder: EdgeFinder::new(edge, slack(info)),
-            first: FirstEdge::new(point, limits.0, limits.1).until(match limits.1 {
-                i64::MAX => scene.end(),
-                _ => i64::MAX,
-            }),
+            first: FirstEdge::new(point, limits.0, limits.1).until(scene.end()),
             point,
             limits,
             end: scene.end(),

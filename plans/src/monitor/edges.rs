@@ -208,7 +208,7 @@ impl FirstEdge {
         }
     }
 
-    /// The same where no limit but the end of the case says how late the edge may be.
+    /// The same of a case with this end: an edge that may have come after it need not be one of the case.
     #[must_use]
     pub fn until(self, end: i64) -> FirstEdge {
         FirstEdge { end, ..self }
