@@ -69,7 +69,7 @@ fn instrument(
             format!("{} is a file of the rig's own, which says what is known", args.trace.display());
         return Err(vec![Diagnostic::error("R0213", message).help("leave out --instrument")]);
     }
-    let strange = mapping::strangers(&instrument, capture)?;
+    let strange = mapping::unknown_channels(&instrument, capture)?;
     if !strange.is_empty() {
         output::note(&format!("the capture has no channel {} of {}", strange.join(", "), instrument.name));
     }

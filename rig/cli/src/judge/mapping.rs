@@ -133,7 +133,10 @@ fn misdescribed(
 ///
 /// # Errors
 /// R0213 for each name that is nearly one of the capture's.
-pub fn strangers(instrument: &InstrumentFile, capture: &Capture) -> Result<Vec<String>, Vec<Diagnostic>> {
+pub fn unknown_channels(
+    instrument: &InstrumentFile,
+    capture: &Capture,
+) -> Result<Vec<String>, Vec<Diagnostic>> {
     let has = |name: &str| capture.channels.iter().any(|channel| channel.name == name);
     let free = capture.channels.iter().map(|channel| channel.name.as_str());
     let free: Vec<&str> = free.filter(|name| instrument.channel(name).is_none()).collect();

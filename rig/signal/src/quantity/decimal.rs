@@ -133,7 +133,7 @@ impl Decimal {
             Some(whole) => whole,
             None if self.exponent >= 0 && self.mantissa < 0 => i128::MIN,
             None if self.exponent >= 0 => i128::MAX,
-            // Digits that are all behind the point.
+            // Digits that are all after the point.
             None => power_of_ten_of(self.exponent)
                 .map_or(if self.mantissa < 0 { -1 } else { 0 }, |power| self.mantissa.div_euclid(power)),
         }
@@ -179,7 +179,7 @@ impl Decimal {
             let order = floor.cmp(&whole);
             return if rest > 0 { order.then(Ordering::Less) } else { order };
         }
-        // What stands behind the point, digit by digit.
+        // What stands after the point, digit by digit.
         let places = usize::try_from(self.exponent.unsigned_abs()).unwrap_or(0);
         let digits = self.mantissa.unsigned_abs().to_string();
         let digits = format!("{digits:0>places$}");
