@@ -198,7 +198,9 @@ fn finding(claim: &OrderClaim, point: &UncertainInstant, delays: &[Delay]) -> Fi
         let (Some(before), Some(after)) = (pair[0].delay, pair[1].delay) else { continue };
         let place = |delay: &Delay| delay.deciding.map_or(0, |found| found.seen.place);
         let recorded_so = place(&pair[0]) < place(&pair[1]);
-        reached = reached.max(before.0);
+        if !pair[0].doubtful {
+            reached = reached.max(before.0);
+        }
         let bound = reached.saturating_add(i64::from(!recorded_so));
         let margin = after.0.saturating_sub(before.1);
         let certain = if recorded_so { margin >= 0 } else { margin > 0 };
