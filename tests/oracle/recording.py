@@ -42,24 +42,25 @@ class Recording:
 
     def placements(self, rng, names, bases, marks, count, unseen_from=None):
         """Placements of these signals. `bases` are the steps that are looked at, `marks` instants at which something may be
-        decided. With `unseen_from` there are pulses between samples that are longer than this."""
+        decided. With `unseen_from` there are pulses between samples that are longer than this; a step that waits comes with what
+        was seen, as it does while a case runs."""
         if self.known(names):
             yield self.placement({name: [(change.early, change.rank, change.value) for change in self.tracks[name]] for name in names})
             return
         for turn in range(count):
-            tracks = {}
+            tracks, seen = {}, {}
             for name in names:
                 # At first all signals alike, later each in a way of its own.
                 way = WAYS[turn % len(WAYS)] if turn < len(WAYS) else rng.choice(WAYS)
                 placed = place(self.tracks[name], rng, way, marks)
                 if placed is None:
                     break
-                placed = self.filled(name, placed, rng)
+                placed = seen[name] = self.filled(name, placed, rng)
                 if unseen_from is not None and self.samples and rng.random() < 0.7:
                     placed = self.with_unseen(name, placed, rng, unseen_from)
                 tracks[name] = placed
             else:
-                placement = None if self.ties(tracks, bases) else self.placement(tracks)
+                placement = None if self.ties(tracks, bases) else self.placement(tracks, seen)
                 if placement is not None:
                     yield placement
 
@@ -67,14 +68,15 @@ class Recording:
         """A value of one of these signals is not known for a while."""
         return any(change.value is None for name in names for change in self.tracks[name][1:])
 
-    def placement(self, tracks):
-        """With the steps that wait where what they wait for comes; it does not come alone."""
+    def placement(self, tracks, seen=None):
+        """With the steps that wait where what they wait for is seen to come; it does not come alone."""
         placement = Placement({name: Track(changes) for name, changes in tracks.items()}, dict(self.steps))
+        watched = Placement({name: Track(changes) for name, changes in (seen or tracks).items()}, placement.steps)
         for step, (signal, kind, since, limit) in self.awaited.items():
             if signal not in tracks:
                 continue
             begin = placement.at((since, 0))
-            times = placement.edges(signal, kind, begin, placement.at(("end", 0)))
+            times = watched.edges(signal, kind, begin, placement.at(("end", 0)))
             if times and times[0] - begin[0] <= limit:
                 if any(time == times[0] for name, track in placement.tracks.items() if name != signal for time, _ in track.at):
                     return None
