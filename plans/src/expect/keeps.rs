@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
-use signal::{Policy, SignalInfo, Span, Value};
+use signal::{SignalInfo, Span, Value};
 
 use super::common::{FROM, LONGER, PlanWindow, SIGNAL, UNTIL, signal, span_range, width};
 use super::condition::{IS, MAX, MIN, ONE_OF, ValueCondition};
@@ -165,12 +165,6 @@ impl Keeps {
         Ok(Box::new(SingleSignalMonitor::new(common)))
     }
 
-    /// Whether each forbidden stretch is held against the shortest that counts. Of several signals it is the time together
-    /// that counts; one that is recorded only now and then has no level that lasts, and is not known for short between two values.
-    fn weighs(&self, info: &SignalInfo) -> bool {
-        self.signals.len() > 1 || matches!(info.policy, Policy::AtMostEvery(_))
-    }
-
     fn subject(&self) -> String {
         let quoted: Vec<String> = self.signals.iter().map(|name| format!("`{name}`")).collect();
         quoted.join(" and ")
@@ -215,9 +209,10 @@ impl TraceClaim for Keeps {
 
     fn pulses(&self, info: &SignalInfo) -> PulseRule {
         let rule = PulseRule::breaks(self.longer_than);
-        match self.weighs(info) {
-            true => rule.weighed(LONGER.name),
-            false => rule.of_level(self.test(info).ok()),
+        match self.signals.len() {
+            1 => rule.of_level(self.test(info).ok()),
+            // Of several signals it is the time together that counts.
+            _ => rule.weighed(LONGER.name),
         }
     }
 
@@ -231,7 +226,6 @@ impl TraceClaim for Keeps {
         }
         let open = scene.is_open(&self.between.until);
         let segments = SegmentJudgement::new(window);
-        let weighs = watched.iter().any(|one| self.weighs(&one.info));
         let common = Common {
             claim: self.clone(),
             watched,
@@ -239,7 +233,7 @@ impl TraceClaim for Keeps {
             open,
             end: scene.earliest_end(),
             counts_until: (i64::MAX, i64::MAX),
-            weighs,
+            weighs: self.signals.len() > 1,
         };
         if self.signals.len() > 1 {
             let lags = self.signals.iter().map(|name| scene.lag(name)).collect();

@@ -3,6 +3,9 @@
 //! A change of level counts once the new level has lasted for longer than that, and then from its own instant. A pulse
 //! that may be short or long within its intervals leaves the level unknown for as long as it matters. So does what was
 //! there when the signal was first known, which may have begun long before.
+//!
+//! Of a signal that is recorded at most every so often, what is not known between two values for no longer than that is
+//! taken as between two samples: a level that is read before and after it lasted, and a change came somewhere in it.
 
 use signal::Value;
 
@@ -40,20 +43,47 @@ pub(crate) struct PulseFilter {
     counts: Truth,
     /// The change that is not known yet to count.
     pending: Option<(TimedValue, Truth)>,
+    /// Short times between two values in which the signal is not known are bridged.
+    bridges: bool,
+    /// Since when the signal is not known, where that may be a time to bridge.
+    gap: Option<TimedValue>,
 }
 
 impl PulseFilter {
     pub(crate) fn new(level: PulseLevel, longest: i64, lag: i64) -> PulseFilter {
-        PulseFilter { level, longest, lag, counts: Truth::Unknown, pending: None }
+        PulseFilter { level, longest, lag, counts: Truth::Unknown, pending: None, bridges: false, gap: None }
+    }
+
+    /// For a signal that is recorded at most every so often.
+    #[must_use]
+    pub(crate) fn bridging(self) -> PulseFilter {
+        PulseFilter { bridges: true, ..self }
     }
 
     /// How long a change is held back at most before it is known whether it counts, nanoseconds.
     pub(crate) fn holds_for(&self) -> i64 {
-        self.longest
+        if self.bridges { self.longest.saturating_mul(2) } else { self.longest }
     }
 
     /// The next event of the signal; hands on what counts.
     pub(crate) fn see(&mut self, seen: &TimedValue, out: &mut impl FnMut(&TimedValue)) {
+        if self.bridges && seen.value == Value::Unknown {
+            self.gap.get_or_insert(*seen);
+            return;
+        }
+        let Some(gap) = self.gap.take() else { return self.step(seen, out) };
+        let before = self.pending.as_ref().map_or(self.counts, |(_, level)| *level);
+        if seen.b.saturating_sub(gap.a) > self.longest {
+            self.step(&gap, out);
+            self.step(seen, out);
+        } else if self.level.of(seen.value) == before {
+            self.step(seen, out);
+        } else {
+            self.step(&TimedValue { a: gap.a, since: gap.since, ..*seen }, out);
+        }
+    }
+
+    fn step(&mut self, seen: &TimedValue, out: &mut impl FnMut(&TimedValue)) {
         let level = self.level.of(seen.value);
         let Some((old, before)) = self.pending else {
             if level == self.counts && level != Truth::Unknown {
@@ -105,6 +135,9 @@ impl PulseFilter {
         if now <= self.due() {
             return;
         }
+        if let Some(gap) = self.gap.take() {
+            return self.step(&gap, out);
+        }
         if let Some((old, level)) = self.pending.take() {
             out(&old);
             self.counts = level;
@@ -113,12 +146,16 @@ impl PulseFilter {
 
     /// After which instant of the trace a change is known to count; `i64::MAX` where none waits.
     pub(crate) fn due(&self) -> i64 {
-        let Some((pending, _)) = self.pending else { return i64::MAX };
+        let waits = self.gap.as_ref().or(self.pending.as_ref().map(|(pending, _)| pending));
+        let Some(pending) = waits else { return i64::MAX };
         pending.b.saturating_add(self.longest).saturating_add(self.lag)
     }
 
     /// Nothing comes any more; the case ended at `end`.
     pub(crate) fn finish(mut self, end: i64, out: &mut impl FnMut(&TimedValue)) {
+        if let Some(gap) = self.gap.take() {
+            self.step(&gap, out);
+        }
         let Some((old, level)) = self.pending.take() else { return };
         let lasted = level == Truth::Unknown || end.saturating_sub(old.b) > self.longest;
         out(&TimedValue { value: if lasted { old.value } else { Value::Unknown }, ..old });

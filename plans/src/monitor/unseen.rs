@@ -5,7 +5,7 @@
 //! of sampling.
 
 use record::Verdict;
-use signal::{Sampling, SignalInfo, Span, ValueKind};
+use signal::{Policy, Sampling, SignalInfo, Span, ValueKind};
 
 use super::pulse_filter::{PulseFilter, PulseLevel};
 use super::{Finding, ValueTest, slack};
@@ -77,7 +77,8 @@ impl PulseRule {
             None if info.kind == ValueKind::Bool => PulseLevel::Line,
             None => return None,
         };
-        Some(PulseFilter::new(level, longest.as_nanos(), lag))
+        let filter = PulseFilter::new(level, longest.as_nanos(), lag);
+        Some(if matches!(info.policy, Policy::AtMostEvery(_)) { filter.bridging() } else { filter })
     }
 
     /// Whether what was seen to be wrong could be right, because pulses of this signal can go unseen.
