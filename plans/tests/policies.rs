@@ -145,7 +145,9 @@ fn verdict(scenario: &Scenario, infos: &[SignalInfo], steps: &[Step]) -> Verdict
 /// Claims that state of a signal that only pulses longer than this matter, and at which of its values the pulses are.
 const PROMISES: [(&str, i64, fn(i64) -> bool); 2] = [
     (r#"{ stays = { signal = "n", max = 2, pulses-longer-than = "4 ns" } }"#, 4, |value| value <= 2),
-    (r#"{ never = { signal = "n", is = 2, from = "a", pulses-longer-than = "2 ns" } }"#, 2, |value| value == 2),
+    (r#"{ never = { signal = "n", is = 2, from = "a", pulses-longer-than = "2 ns" } }"#, 2, |value| {
+        value == 2
+    }),
 ];
 
 /// Whether the signal `n` has no pulses so short that a claim says that there are none.
