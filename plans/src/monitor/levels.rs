@@ -41,7 +41,7 @@ impl PulseFinder {
                 self.open = Some((start, Truth::Unknown));
                 None
             }
-            (Truth::Unknown, _) => {
+            (Truth::Unknown, Truth::True | Truth::False) => {
                 // There can be any pulse in an unknown stretch, and one that is there after it can have begun
                 // anywhere in it.
                 let begun = TimedValue { a: start.a, since: start.since, ..*seen };
