@@ -10,7 +10,7 @@ from fractions import Fraction
 import trains
 from figures import Limits
 from placement import NeverCame, Placement, Track
-from scenes import COARSE
+from scenes import COARSE, EVERY
 from trains import MEASURES, MISSING, VERBS, AtLeast, Rooted
 from verbs import END, START, window
 
@@ -45,7 +45,8 @@ def expected(claim, recording, rng, count):
     drawn = recording.placements, (rng, names, looked_at, marks(claim, recording), count)
     try:
         for placement in drawn[0](*drawn[1]):
-            note(found, found.answers, claim, placement, recording.awaited)
+            if keeps_promise(claim, placement):
+                note(found, found.answers, claim, placement, recording.awaited)
         if recording.samples is not None and claim.verb not in AT_INSTANTS:
             for placement in drawn[0](*drawn[1], claim.keys.get("pulses-longer-than", 0)):
                 note(found, found.unseen, claim, placement, recording.awaited, False)
@@ -53,6 +54,17 @@ def expected(claim, recording, rng, count):
     except NeverCame:
         found.never_came = True
     return found
+
+
+def keeps_promise(claim, placement):
+    """Of a signal that is recorded at most every so often, `pulses-longer-than` of at least that says that nothing short is there."""
+    longest = claim.keys.get("pulses-longer-than", 0)
+    for name in claim.names:
+        if name in EVERY and longest >= EVERY[name]:
+            at = [time for time, _ in placement.tracks[name].at]
+            if any(to - since <= longest for since, to in zip(at[1:], at[2:])):
+                return False
+    return True
 
 
 def figure_of(claim, placement):

@@ -17,6 +17,8 @@ COARSE = {"p_band": ("p", 'channel = "p", deadband = "0.3 bar"'),
           "b3_slow": ("b3", 'address = "%IX0.3", at-most-every = "4 ms"'),
           "count_slow": ("count", 'path = "MAIN.count", at-most-every = "6 ms"'),
           "v_int_band": ("v_int", 'path = "MAIN.v_int", deadband = 2')}
+# Those that have at most one value in this time, in nanoseconds.
+EVERY = {"b3_slow": 4_000_000, "count_slow": 6_000_000}
 STATES = ("OFF", "BOOTING", "INVALID_OS", "EMPTY", "STOPPED", "RUNNING", "HALT", "BREAKPOINT")
 BOARD = """format = 1
 title = "Lines, two pressures and a bus"

@@ -78,7 +78,8 @@ impl PulseRule {
             None => return None,
         };
         let filter = PulseFilter::new(level, longest.as_nanos(), lag);
-        Some(if matches!(info.policy, Policy::AtMostEvery(_)) { filter.bridging() } else { filter })
+        let promised = matches!(info.policy, Policy::AtMostEvery(every) if every <= longest);
+        Some(if promised { filter.bridging() } else { filter })
     }
 
     /// Whether what was seen to be wrong could be right, because pulses of this signal can go unseen.
