@@ -24,6 +24,21 @@ fn sound_files_have_no_errors() {
 }
 
 #[test]
+fn an_instrument_file_is_checked_as_what_it_is() {
+    let bench = TestProject::new();
+    let file =
+        "format = 1\n[timebase]\nerror = \"25 ppm\"\n[channels.CH1]\nunit = \"V\"\nthreshold = \"2.5 V\"\n";
+    bench.write("scope.toml", file);
+    let ran = bench.expect(0, &["check", "scope.toml"]);
+    assert_eq!((ran.out.as_str(), ran.err.as_str()), ("scope.toml: no errors\n", ""));
+    bench.write("wrong.toml", &file.replace("threshold", "treshold"));
+    bench.refused(&["check", "wrong.toml"], &["R0211", "wrong.toml:6", "did you mean `threshold`?"]);
+    // The search of a folder takes it for no plan.
+    let ran = bench.expect(0, &["check", "."]);
+    assert_eq!(ran.out, "lamp.toml: no errors\n");
+}
+
+#[test]
 fn one_broken_file_does_not_hide_the_others() {
     let bench = TestProject::new();
     bench.write_lamp("a.toml", "rises", "risse");

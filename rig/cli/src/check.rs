@@ -11,6 +11,7 @@ use document::{Diagnostic, SourceFile};
 use drivers::file::BoardFile;
 use profile::Profile;
 use runtime::application::tasks;
+use runtime::suite::instrument_file::load_instrument;
 use runtime::suite::suites;
 use runtime::suite::{self, Disk, FileSource};
 use std::path::{Path, PathBuf};
@@ -18,7 +19,7 @@ use std::path::{Path, PathBuf};
 /// `rig check`.
 #[derive(Debug, Args)]
 pub struct CheckArgs {
-    /// Plans, board files, programs (`.st`), or folders that are searched for plans.
+    /// Plans, board files, instrument files, programs (`.st`), or folders that are searched for plans.
     #[arg(value_name = "FILE|DIR", required_unless_present = "board")]
     pub files: Vec<PathBuf>,
     /// A board file, to be checked and to check the plans on in place of their own.
@@ -105,6 +106,7 @@ fn check(
     match kind::of(&text) {
         FileKind::Board => suite::load_board(&Disk, path, sources)
             .map_or_else(|found| found, |read| of_this_machine(&read.0)),
+        FileKind::Instrument => load_instrument(&Disk, path, sources).err().unwrap_or_default(),
         FileKind::Included => suite::check_included(&Disk, path, sources),
         _ => check_plan(path, board, &parameters.of_plan(&Disk, path), sources),
     }
