@@ -71,3 +71,34 @@ fn what_is_no_run_is_refused() {
     bench.refused(&["diff", "old", "old", "--erosion", "x"], &["from 0 to 100"]);
     bench.refused(&["diff", "old"], &["<NEW>"]);
 }
+
+#[test]
+fn judged_captures_differ_in_their_files_and_not_in_nothing() {
+    let bench = TestProject::new();
+    let columns = |rise: &str| format!("time [s],button,lamp\n0,0,0\n1,1,0\n{rise},1,1\n3,1,1\n");
+    bench.write("one.csv", &columns("1.52"));
+    bench.write("two.csv", &columns("1.53"));
+    bench.write("scope.toml", "format = 1\n[timebase]\nresolution = \"1 us\"\n");
+    let judge = |capture: &str, folder: &str, more: &[&str]| {
+        let args = ["judge", "lamp.toml", capture, "--start", "0 s", "--report", folder];
+        bench.rig(&[&args[..], more].concat());
+    };
+    judge("one.csv", "one", &[]);
+    judge("two.csv", "two", &[]);
+    judge("one.csv", "scope", &["--instrument", "scope.toml"]);
+    let case = &bench.json("one/record.json")["cases"][0];
+    for file in ["plan", "program", "capture"] {
+        assert_eq!(case["hashes"][file].as_str().map(str::len), Some(64), "{file}: {case}");
+    }
+    for (new, what) in [("two", "capture"), ("scope", "instrument")] {
+        let ran = bench.rig(&["diff", "one", new]);
+        assert!(!ran.out.contains("though nothing else does"), "{}", ran.out);
+        assert!(ran.out.contains(&format!("Files that changed\n  {what} of lamp.toml\n")), "{}", ran.out);
+    }
+    // The trace of a capture says from what it was made.
+    let trace = "one/traces/lamp.trace";
+    bench.rig(&["judge", "lamp.toml", trace, "--report", "again"]);
+    assert_eq!(bench.json("again/record.json")["cases"][0]["hashes"], case["hashes"]);
+    let ran = bench.rig(&["diff", "one", "again"]);
+    assert!(!ran.out.contains("Files that changed"), "{}", ran.out);
+}

@@ -45,6 +45,9 @@ pub struct Hashes {
     pub board: String,
     /// The program's sources.
     pub program: String,
+    /// What `rig judge` judged: the capture, or the trace of an earlier run; empty for a case that ran.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub capture: String,
 }
 
 /// A step of the plan as it happened.

@@ -135,6 +135,8 @@ const evidence = (record) => {
     digest("Plan SHA-256", hashes.plan),
     digest("Board SHA-256", hashes.board),
     digest("Program SHA-256", hashes.program),
+    digest("Capture SHA-256", hashes.capture),
+    digest("Instrument SHA-256", record.instrument?.sha256),
     digest("Trace SHA-256", record.trace_sha256),
     record.trace_file && beside("Waves", ".vcd"),
     record.trace_file && record.frames && beside("CAN frames", ".log", record.frames.more > 0 ? ` (the first ${record.frames.kept}; ${record.frames.more} more found no room)` : ""),

@@ -356,7 +356,11 @@ fn outcome(case: &CaseRecord) -> &'static str {
 /// is flaky.
 fn made_from(case: &CaseRecord, binary: &str) -> String {
     let hashes = &case.hashes;
-    let text = format!("{} {} {} {} {binary}", hashes.plan, hashes.board, hashes.program, case.seed);
+    let mut text = format!("{} {} {} {} {binary}", hashes.plan, hashes.board, hashes.program, case.seed);
+    let instrument = case.instrument.as_ref().map_or("", |instrument| instrument.sha256.as_str());
+    if !(hashes.capture.is_empty() && instrument.is_empty()) {
+        text.push_str(&format!(" {} {instrument}", hashes.capture));
+    }
     runtime::suite::describe::sha256(text.as_bytes())[..16].to_owned()
 }
 

@@ -11,6 +11,7 @@ use plans::Case;
 use record::CaseRecord;
 use runtime::case::capture_import::{self, CaseLayout, ChannelMapping, Instants};
 use runtime::case::rejudge;
+use runtime::suite::describe;
 use runtime::suite::instrument_file::{InstrumentFile, load_instrument};
 use runtime::suite::{self, Disk, Job, LoadedPlan};
 use signal::{Span, Trace, When};
@@ -21,7 +22,7 @@ pub fn judge(
     format: CaptureFormat,
     sources: &mut Vec<SourceFile>,
 ) -> Result<(CaseRecord, Trace), Vec<Diagnostic>> {
-    let mut capture = read(args, format).map_err(|found| vec![found])?;
+    let (mut capture, hash) = read(args, format).map_err(|found| vec![found])?;
     let instrument = instrument(args, &capture, sources)?;
     let (loaded, seed) = load(args, &capture, sources)?;
     let (case, job) = choose(args, &capture, &loaded, seed).map_err(|found| vec![found])?;
@@ -51,8 +52,9 @@ pub fn judge(
     let wires: Vec<ChannelMapping> =
         wires.iter().copied().filter(|wire| instants.is_none() || !marks(wire)).collect();
     let trace = capture_import::trace(layout, &case, &files, &capture, &wires, instants.as_ref(), known);
-    let trace = trace
+    let mut trace = trace
         .map_err(|error| vec![Diagnostic::error("R0170", format!("the capture makes no trace: {error}"))])?;
+    describe::annotate_capture(&mut trace, &files, &hash);
     Ok((rejudge::judge_gathered(loaded.plan.text(), &trace)?, trace))
 }
 
@@ -76,7 +78,8 @@ fn instrument(
     Ok(Some(instrument))
 }
 
-fn read(args: &JudgeArgs, format: CaptureFormat) -> Result<Capture, Diagnostic> {
+/// The capture, and its hash.
+fn read(args: &JudgeArgs, format: CaptureFormat) -> Result<(Capture, String), Diagnostic> {
     let path = args.trace.display();
     let wrong = |what: String| Diagnostic::error("R0170", format!("{path}: {what}"));
     let period = match &args.capture.period {
@@ -98,10 +101,11 @@ fn read(args: &JudgeArgs, format: CaptureFormat) -> Result<Capture, Diagnostic> 
         };
         wrong(fault.to_string()).help(help)
     })?;
-    capture::read(format, &bytes, period).map_err(|error: CaptureError| {
+    let read = capture::read(format, &bytes, period).map_err(|error: CaptureError| {
         let found = wrong(error.to_string());
         if error.fix.is_empty() { found } else { found.help(error.fix) }
-    })
+    })?;
+    Ok((read, describe::sha256(&bytes)))
 }
 
 /// The plan with what the command line, or a file of the rig's own, gives for its parameters; and the seed.

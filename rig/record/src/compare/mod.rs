@@ -4,7 +4,7 @@ mod claims;
 #[cfg(test)]
 mod tests;
 
-use crate::{CaseRecord, CaseStatus, Figure, RunRecord, Verdict};
+use crate::{CaseRecord, CaseStatus, Figure, Hashes, RunRecord, Verdict};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -102,7 +102,7 @@ pub struct Comparison {
     pub worse: bool,
     /// Facts of the runs that differ: versions, hosts, seeds.
     pub facts: Vec<TextChange>,
-    /// Plans whose files differ: the plan itself, its board, its program.
+    /// Plans whose files differ: the plan itself, its board, its program, the capture that was judged, the file of its instrument.
     pub files: Vec<TextChange>,
     /// Cases that came to something else, are missing or new.
     pub cases: Vec<CaseChange>,
@@ -112,7 +112,7 @@ pub struct Comparison {
     pub eroded: Vec<Erosion>,
     /// Measured values that moved.
     pub moved: Vec<Move>,
-    /// Cases whose traces differ though plan, board, program, seed and build of rig are the same. In virtual time
+    /// Cases whose traces differ though all files, parameters, seed and build of rig are the same. In virtual time
     /// there are none.
     pub traces: Vec<String>,
     /// Cases that are in both runs and came to the same.
@@ -162,7 +162,12 @@ pub fn compare(old: &RunRecord, new: &RunRecord, thresholds: &Thresholds) -> Com
             });
         }
         claims::compare(was, is, thresholds, &mut found);
-        let alike = one_build && was.hashes == is.hashes && was.seed == is.seed;
+        let made_from =
+            |case: &'_ CaseRecord| (case.seed, hashes(case).map(str::to_owned), case.parameters.clone());
+        // How a capture is laid out the command line says: which channel is what, where the start lies.
+        let laid_alike =
+            was.hashes.capture.is_empty() || old.provenance.arguments == new.provenance.arguments;
+        let alike = one_build && laid_alike && made_from(was) == made_from(is);
         if alike && was.trace_sha256 != is.trace_sha256 {
             found.traces.push(was.name.clone());
         }
@@ -229,16 +234,25 @@ fn facts(old: &RunRecord, new: &RunRecord) -> Vec<TextChange> {
     differ.map(|(what, old, new)| TextChange { what: what.to_owned(), old, new }).collect()
 }
 
+/// What [`hashes`] are of.
+const FILES: [&str; 5] = ["plan", "board", "program", "capture", "instrument"];
+
+/// Of the files that a case was made from, and a capture judged with.
+fn hashes(case: &CaseRecord) -> [&str; 5] {
+    let Hashes { plan, board, program, capture } = &case.hashes;
+    let instrument = case.instrument.as_ref().map_or("", |instrument| instrument.sha256.as_str());
+    [plan, board, program, capture, instrument]
+}
+
 /// Of each plan in both runs, which of its files changed.
 fn files(old: &RunRecord, new: &RunRecord) -> Vec<TextChange> {
-    type Hashes<'a> = BTreeMap<&'a str, [BTreeSet<&'a str>; 3]>;
-    fn of(run: &RunRecord) -> Hashes<'_> {
-        let mut all = Hashes::new();
+    type Sets<'a> = BTreeMap<&'a str, [BTreeSet<&'a str>; 5]>;
+    fn of(run: &RunRecord) -> Sets<'_> {
+        let mut all = Sets::new();
         for case in run.cases.iter().filter(|case| !case.hashes.plan.is_empty()) {
             let sets = all.entry(case.plan.as_str()).or_default();
-            let hashes = [&case.hashes.plan, &case.hashes.board, &case.hashes.program];
-            for (set, hash) in sets.iter_mut().zip(hashes) {
-                set.insert(hash.as_str());
+            for (set, hash) in sets.iter_mut().zip(hashes(case)) {
+                set.insert(hash);
             }
         }
         all
@@ -247,7 +261,7 @@ fn files(old: &RunRecord, new: &RunRecord) -> Vec<TextChange> {
     let mut changes = Vec::new();
     for (plan, was) in &before {
         let Some(is) = after.get(plan) else { continue };
-        for ((kind, was), is) in ["plan", "board", "program"].into_iter().zip(was).zip(is) {
+        for ((kind, was), is) in FILES.into_iter().zip(was).zip(is) {
             if was != is {
                 let list = |set: &BTreeSet<&str>| set.iter().copied().collect::<Vec<&str>>().join(" ");
                 changes.push(TextChange { what: format!("{kind} of {plan}"), old: list(was), new: list(is) });

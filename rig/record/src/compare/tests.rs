@@ -1,7 +1,7 @@
 //! What is a change, and which changes are worse.
 
 use super::*;
-use crate::{ClaimRecord, MeasurementRecord, Provenance};
+use crate::{ClaimRecord, InstrumentRecord, MeasurementRecord, Parameter, Provenance};
 
 fn claim(name: &str, margin: f64, uncertainty: f64) -> ClaimRecord {
     ClaimRecord {
@@ -123,6 +123,25 @@ fn what_the_runs_were_made_from_is_compared() {
     new.cases[0].trace_sha256 = "y".into();
     // The same files, seed and build, and another trace: the controller or the rig is not deterministic.
     assert_eq!(compared(&old, &new).traces, ["a"]);
+    // Two captures that were judged, or one by two statements of its instrument: that is why.
+    let mut capture = new.clone();
+    capture.cases[0].hashes.capture = "c".repeat(64);
+    let found = compared(&old, &capture);
+    assert_eq!((found.traces.len(), found.files[0].what.as_str()), (0, "capture of a.toml"));
+    // By one that is laid out otherwise.
+    let mut laid = [old.clone(), new.clone()];
+    laid.iter_mut().for_each(|run| run.cases[0].hashes.capture = "c".repeat(64));
+    assert_eq!(compared(&laid[0], &laid[1]).traces, ["a"]);
+    laid[1].provenance.arguments = vec!["--start".into(), "1 s".into()];
+    assert!(compared(&laid[0], &laid[1]).traces.is_empty());
+    let mut instrument = new.clone();
+    instrument.cases[0].instrument =
+        Some(InstrumentRecord { sha256: "1".repeat(64), ..InstrumentRecord::default() });
+    let found = compared(&old, &instrument);
+    assert_eq!((found.traces.len(), found.files[0].what.as_str()), (0, "instrument of a.toml"));
+    let mut given = new.clone();
+    given.cases[0].parameters = vec![Parameter { name: "delay".into(), value: "1 s".into() }];
+    assert!(compared(&old, &given).traces.is_empty());
     new.cases[0].hashes.program = "2".repeat(64);
     new.provenance.seed = 2;
     let found = compared(&old, &new);

@@ -64,6 +64,7 @@ pub fn judge_gathered(text: &PlanText, trace: &Trace) -> Result<CaseRecord, Vec<
             (Some(file), Some(text)) => Some(instrument_file::read(&SourceFile::new(file, text))?.record()),
             _ => None,
         },
+        hashes: describe::hashes_again(read.joined(), trace),
         seed,
         trace_sha256: describe::hex(&trace.digest()),
         ..CaseRecord::default()

@@ -34,6 +34,29 @@ pub fn plan_hash(joined: &Joined) -> String {
     sha256(text.as_bytes())
 }
 
+/// Notes of the trace of a capture: the hashes that [`hashes_again`] gives back.
+const HASH_NOTES: [&str; 3] = ["board-sha256", "program-sha256", "capture-sha256"];
+
+/// Writes into the trace of a capture what it was judged with beside the plan: the capture itself by its hash, board and program.
+pub fn annotate_capture(trace: &mut Trace, files: &CaseFiles, capture: &str) {
+    let Hashes { board, program, .. } = hashes(files);
+    for (note, hash) in HASH_NOTES.into_iter().zip([board, program, capture.to_owned()]) {
+        trace.set_note(note, hash);
+    }
+}
+
+/// Hashes of what a trace is judged with: the plan, and what made the trace, as far as it says it. Otherwise the trace itself
+/// stands for all that it was made from.
+pub fn hashes_again(plan: &Joined, trace: &Trace) -> Hashes {
+    let [board, program, capture] = HASH_NOTES.map(|note| trace.note(note).map(str::to_owned));
+    Hashes {
+        plan: plan_hash(plan),
+        board: board.unwrap_or_default(),
+        program: program.unwrap_or_default(),
+        capture: capture.unwrap_or_else(|| hex(&trace.digest())),
+    }
+}
+
 /// Hashes of what a case is made of.
 pub fn hashes(files: &CaseFiles) -> Hashes {
     let all = files.sources.iter().chain(files.others.iter().flat_map(|other| &other.sources));
@@ -42,6 +65,7 @@ pub fn hashes(files: &CaseFiles) -> Hashes {
         plan: plan_hash(&files.joined),
         board: if files.board_text.is_empty() { String::new() } else { sha256(files.board_text.as_bytes()) },
         program: if sources.is_empty() { String::new() } else { sha256(sources.as_bytes()) },
+        capture: String::new(),
     }
 }
 
