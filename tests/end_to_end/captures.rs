@@ -251,7 +251,7 @@ fn what_is_said_wrongly_is_refused_with_a_code() {
         (&["--start", "button climbs"], &["R0177"]),
         (&["--start", "2 rises 0"], &["R0177"]),
         (&["--start", "2 rises"], &["R0171"]),
-        (&["--start", "0 rises 2"], &["R0173", "never comes"]),
+        (&["--start", "0 rises 2"], &["R0173", "never comes", "`0` is FALSE at first, rises once and falls"]),
         (&["--start", "1 h"], &["R0173", "0.000000000 s to 3.600000000 s"]),
         (&["--at", "pres=1 s"], &["R0178", "no step `pres`"]),
         (&["--at", "press"], &["R0178"]),

@@ -117,3 +117,34 @@ fn a_file_that_does_not_suit_the_capture_is_refused() {
         JUDGE.iter().map(|word| if *word == "scope.toml" { "none.toml" } else { word }).collect();
     bench.refused(&file, &["R0201"]);
 }
+
+#[test]
+fn an_edge_that_never_comes_says_what_its_channel_reads() {
+    let bench = bench();
+    let place = |edge: &str| ["judge", "lamp.toml", "scope.csv", "--start", edge].map(str::to_owned);
+    let refused = |args: &[String], words: &[&str]| {
+        let args: Vec<&str> = args.iter().map(String::as_str).collect();
+        bench.refused(&args, words);
+    };
+    // Volts have no edges: the message says what to type.
+    refused(
+        &place("Taster rises"),
+        &[
+            "R0173",
+            "`Taster` reads 0.02 .. ",
+            " V, and numbers have no levels",
+            "--map \"Taster=SIGNAL@2.5\"",
+        ],
+    );
+    // A threshold that is never reached leaves one level.
+    let mapped: Vec<String> =
+        [&place("Taster rises")[..], &["--map", "Taster=button@30"].map(str::to_owned)].concat();
+    refused(
+        &mapped,
+        &[
+            "R0173",
+            "`Taster` reads 0.02 .. ",
+            "by its threshold is FALSE at first, rises never and falls never",
+        ],
+    );
+}

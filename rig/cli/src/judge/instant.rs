@@ -1,9 +1,9 @@
 //! Instants of a capture as the user names them: `1.5 s`, `button rises`, `lamp falls 2`.
 
-use capture::{Capture, TimebaseErrors};
+use capture::{Capture, ChannelType, TimebaseErrors};
 use document::Diagnostic;
 use runtime::case::capture_import::ChannelMapping;
-use signal::{SignalInfo, Span, Time, When};
+use signal::{SignalInfo, Span, Time, Value, When};
 
 /// Which change of a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,7 +63,64 @@ pub fn find(option: &str, text: &str, names: &CaptureNames<'_>) -> Result<When, 
     }
     let message = format!("{option}: `{text}` never comes");
     let [first, last] = names.capture.span;
-    Err(Diagnostic::error("R0173", message).help(range(first, last)))
+    let help = format!("{}; {}", range(first, last), what_it_reads(names.capture, channel));
+    Err(Diagnostic::error("R0173", message).help(help))
+}
+
+/// What a channel reads in the capture, and which levels it has by that: why an edge may not be there.
+fn what_it_reads(capture: &Capture, channel: usize) -> String {
+    let (Some(of), values) = (capture.channels.get(channel), values(capture, channel)) else {
+        return String::new();
+    };
+    let name = &of.name;
+    // What a threshold made levels of stands before it, by the same name.
+    let source = capture.channels.iter().position(|one| one.name == *name).unwrap_or(channel);
+    let read = range_of(capture, source);
+    let Some(first) = values.iter().copied().find_map(Value::as_bool) else {
+        return match read {
+            Some(read) if source == channel => format!(
+                "`{name}` reads {read}, and numbers have no levels: say above which value it is TRUE, as in --map \"{name}=SIGNAL@2.5\""
+            ),
+            Some(read) => {
+                format!("`{name}` reads {read}, which is never for certain one level: correct its threshold")
+            }
+            None => format!("`{name}` is never known to be TRUE or FALSE"),
+        };
+    };
+    let read = read
+        .filter(|_| source != channel)
+        .map_or(String::new(), |read| format!("reads {read}, and by its threshold "));
+    let mut edges = [0_u64; 2];
+    let mut before = first;
+    for now in values.into_iter().filter_map(Value::as_bool) {
+        if now != before {
+            edges[usize::from(now)] += 1;
+            before = now;
+        }
+    }
+    let times = |count: u64| match count {
+        0 => String::from("never"),
+        1 => String::from("once"),
+        count => format!("{count} times"),
+    };
+    let [falls, rises] = edges.map(times);
+    format!("`{name}` {read}is {} at first, rises {rises} and falls {falls}", Value::Bool(first))
+}
+
+fn values(capture: &Capture, channel: usize) -> Vec<Value> {
+    let own = capture.changes.iter().filter(|change| change.channel as usize == channel);
+    own.map(|change| change.value).collect()
+}
+
+/// The numbers that a channel reads, with its unit: `0.02 .. 23.9 V`; nothing where it has bits.
+fn range_of(capture: &Capture, channel: usize) -> Option<String> {
+    let of = capture.channels.get(channel).filter(|of| of.shape != ChannelType::Bit)?;
+    let numbers = values(capture, channel).into_iter().filter_map(Value::as_real);
+    let [low, high] = numbers.fold(None, |range: Option<[f64; 2]>, number| {
+        let [low, high] = range.unwrap_or([number; 2]);
+        Some([low.min(number), high.max(number)])
+    })?;
+    Some(format!("{low} .. {high} {}", of.unit).trim_end().to_owned())
 }
 
 fn range(first: Time, last: Time) -> String {
