@@ -180,11 +180,14 @@ fn bare_limits(measurement: &MeasurementRecord) -> String {
     }
 }
 
-/// The limits of a measurement as numbers, whichever way they were given.
+/// The limits of a measurement as numbers, whichever way they were given. Those of a nominal value are in the record as they were
+/// judged, exact; only records of early rigs lack them.
 pub(crate) fn bounds(measurement: &MeasurementRecord) -> (Option<f64>, Option<f64>) {
-    match (measurement.nominal, measurement.tolerance) {
-        (Some(nominal), Some(tolerance)) => (Some(nominal - tolerance), Some(nominal + tolerance)),
-        _ => (measurement.min, measurement.max),
+    match (measurement.min, measurement.max, measurement.nominal, measurement.tolerance) {
+        (None, None, Some(nominal), Some(tolerance)) => {
+            (Some(nominal - tolerance), Some(nominal + tolerance))
+        }
+        (min, max, ..) => (min, max),
     }
 }
 
@@ -246,6 +249,22 @@ mod tests {
         assert_eq!(limits(&taken), "≤ 6 us, guard none");
         taken.guard_band = GuardBand::Uncertainty;
         assert_eq!(limits(&taken), "≤ 6 us");
+    }
+
+    #[test]
+    fn limits_around_a_value_are_those_that_it_was_judged_by() {
+        let stated = MeasurementRecord {
+            nominal: Some(0.3),
+            tolerance: Some(0.1),
+            min: Some(0.2),
+            max: Some(0.4),
+            ..MeasurementRecord::default()
+        };
+        // In floats 0.3 - 0.1 is below 0.2.
+        assert_eq!(bounds(&stated), (Some(0.2), Some(0.4)));
+        let early =
+            MeasurementRecord { min: None, max: None, nominal: Some(24.0), tolerance: Some(0.5), ..stated };
+        assert_eq!(bounds(&early), (Some(23.5), Some(24.5)));
     }
 
     #[test]

@@ -58,9 +58,10 @@ const bareLimits = (m) => {
   if (given(m.min)) return `≥ ${figure(m.min, m.unit)}`;
   return given(m.max) ? `≤ ${figure(m.max, m.unit)}` : "";
 };
-// The limits of a measurement as numbers, whichever way they were given; null for none.
+// The limits of a measurement as numbers, whichever way they were given; null for none. Those of a nominal value are in the record as
+// they were judged; only records of early rigs lack them.
 const bounds = (m) =>
-  given(m.nominal) && given(m.tolerance)
+  given(m.nominal) && given(m.tolerance) && !given(m.min) && !given(m.max)
     ? [number(m.nominal) - number(m.tolerance), number(m.nominal) + number(m.tolerance)]
     : [given(m.min) ? number(m.min) : null, given(m.max) ? number(m.max) : null];
 
