@@ -343,3 +343,24 @@ fn a_trace_of_the_rig_says_everything_itself() {
     let moved = ["judge", "lamp.toml", "out/traces/lamp.vcd", "--start", "2 s"];
     assert!(bench.expect(1, &moved).out.contains("too early"));
 }
+
+#[test]
+fn a_step_needs_no_channel_of_its_own() {
+    let bench = bench();
+    let waits = "signals = { button = \"%IX0.0\", lamp = \"%QX0.4\" }\nsteps = [\n\
+                 { id = \"press\", at = \"start + 1 s\", set = { signal = \"button\", value = true } },\n\
+                 { id = \"lit\", when = { signal = \"lamp\", edge = \"rises\", from = \"press\", within = \"1 s\" } },\n]\n\
+                 expect = [{ happens = { step = \"lit\" } }]\n";
+    bench.write(
+        "waits.toml",
+        &format!("format = 1\ntitle = \"Waits\"\nprogram = \"lamp.st\"\nends = \"start + 3 s\"\n{waits}"),
+    );
+    bench.write("rows.csv", "time [s],button,lamp\n0,0,0\n1,1,0\n1.52,1,1\n3,1,1\n");
+    let args = ["judge", "waits.toml", "rows.csv", "--start", "0 s"];
+    let ran = bench.expect(0, &args);
+    assert_eq!(ran.err, "");
+    // What it waits for is another matter.
+    bench.write("rows.csv", "time [s],button\n0,0\n1,1\n3,1\n");
+    let ran = bench.expect(3, &args);
+    assert!(!ran.err.contains("step:"), "{}", ran.err);
+}

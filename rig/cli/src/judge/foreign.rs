@@ -31,15 +31,16 @@ pub fn judge(
     let spelled = reports::vcd::names(layout.signals());
     let known = instrument.as_ref();
     let mut wires = mapping::wires(&args.capture.map, &capture, layout.signals(), &spelled, known)?;
-    say_what_is_missing(&case, &layout, &wires);
+    let marked = wires.iter().any(|wire| layout.signals()[wire.signal].name == "step:start");
+    let unsaid = args.capture.start.is_none() && args.capture.at.is_empty();
+    let has_marks = marked && unsaid && known.is_none();
+    say_what_is_missing(&case, &layout, &wires, has_marks);
     capture_import::find_levels(&mut capture, &mut wires);
     let timebase = known.map_or_else(TimebaseErrors::default, |instrument| instrument.timebase);
     if let Some(instrument) = known {
         capture.correct(&instrument.errors());
     }
-    let marked = wires.iter().any(|wire| layout.signals()[wire.signal].name == "step:start");
-    let unsaid = args.capture.start.is_none() && args.capture.at.is_empty();
-    let instants = if marked && unsaid && known.is_none() {
+    let instants = if has_marks {
         None
     } else {
         // What the user says of instants goes before what the file says of them.
@@ -181,9 +182,11 @@ fn choose(
     }
 }
 
-/// Claims on what the capture does not have come out inconclusive; the reason is reported.
-fn say_what_is_missing(case: &Case, layout: &CaseLayout, wires: &[ChannelMapping]) {
-    let has = |name: &str| wires.iter().any(|wire| layout.signals()[wire.signal].name == name);
+/// Claims on what the capture does not have come out inconclusive; the reason is reported. When the steps came is found of the other
+/// channels, unless the capture has the marks itself.
+fn say_what_is_missing(case: &Case, layout: &CaseLayout, wires: &[ChannelMapping], has_marks: bool) {
+    let wired = |name: &str| wires.iter().any(|wire| layout.signals()[wire.signal].name == name);
+    let has = |name: &str| wired(name) || !has_marks && name.starts_with("step:");
     let missing: Vec<String> = case.scenario().signals().into_iter().filter(|name| !has(name)).collect();
     if !missing.is_empty() {
         let names = missing.join(", ");
