@@ -51,7 +51,11 @@ pub(crate) fn message(case: &CaseRecord) -> String {
             text
         }
         DecidingResult::Measurement(m) => {
-            format!("{}: limits {}, measured {}", m.name, show::limits(m), show::value(m))
+            let by_middle = match show::by_middle(m) {
+                "" => String::new(),
+                reason => format!(", {reason}"),
+            };
+            format!("{}: limits {}, measured {}{by_middle}", m.name, show::limits(m), show::value(m))
         }
         DecidingResult::Reason(reason) => reason.to_owned(),
     };

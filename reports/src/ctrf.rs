@@ -43,6 +43,7 @@ pub fn render(run: &RunRecord) -> String {
         "extra".into(),
         Value::Object(object([
             ("seed", json!(facts.seed)),
+            ("guard", text(&show::unguarded(run))),
             ("processor", text(facts.host_cpu.as_deref().unwrap_or_default())),
             ("binarySha256", text(&facts.binary_sha256)),
             ("selectionSha256", text(&run.selection_sha256)),

@@ -2,7 +2,7 @@
 
 use crate::show::clean;
 use crate::text::Style;
-use record::{CaseChange, Comparison, Figure, TextChange};
+use record::{CaseChange, Comparison, Figure, GuardChange, TextChange};
 use std::fmt::Write;
 
 /// The most entries of one list that are shown.
@@ -30,6 +30,15 @@ pub fn render(found: &Comparison, style: Style) -> String {
         &found.traces.iter().collect::<Vec<_>>(),
         |name| vec![(*name).clone()],
     );
+    let guard = |change: &GuardChange| {
+        vec![
+            format!("{}: {}", change.case, change.name),
+            format!("guard {} became {}", change.old, change.new),
+        ]
+    };
+    let (unproven, guards): (Vec<&GuardChange>, Vec<&GuardChange>) =
+        found.guards.iter().partition(|change| change.worse);
+    out.list("Proven before, now accepted by its middle", "31;1", &unproven, guard);
     out.list("Other changes of cases", "1", &others, case);
     let new: Vec<_> = found.claims.iter().filter(|claim| !claim.missing).collect();
     out.list("New claims", "1", &new, |claim| vec![format!("{}: {}", claim.case, claim.name)]);
@@ -40,6 +49,7 @@ pub fn render(found: &Comparison, style: Style) -> String {
         };
         vec![format!("{}: {}", one.case, one.name), format!("{} became {}", value(one.old), value(one.new))]
     });
+    out.list("Guard bands that changed", "1", &guards, guard);
     out.list("Files that changed", "1", &found.files.iter().collect::<Vec<_>>(), |change| {
         vec![change.what.clone()]
     });

@@ -19,3 +19,4 @@ pub mod text;
 pub mod vcd;
 
 pub use matrix::{RequirementRow, requirements};
+pub use show::unguarded_words;

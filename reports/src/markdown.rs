@@ -29,6 +29,7 @@ pub fn render(run: &RunRecord) -> String {
     let mut page = BoundedText { out: String::new(), full: false };
     head(&mut page, run);
     attention(&mut page, run);
+    by_middle(&mut page, run);
     margins(&mut page, run);
     requirements(&mut page, run);
     environment(&mut page, run);
@@ -143,7 +144,11 @@ fn with_claims(case: &CaseRecord) -> String {
     });
     let measurements = case.measurements.iter().filter(|m| m.verdict > Verdict::Pass).map(|m| {
         let wanted = format!("{} {}", m.name, show::limits(m));
-        (m.verdict, [wanted, show::covered(m), figure(m.margin.as_ref())], m.line)
+        let observed = match show::by_middle(m) {
+            "" => show::covered(m),
+            reason => format!("{} ({reason})", show::covered(m)),
+        };
+        (m.verdict, [wanted, observed, figure(m.margin.as_ref())], m.line)
     });
     let all: Vec<_> = claims.chain(measurements).collect();
     if all.is_empty() {
@@ -160,6 +165,29 @@ fn with_claims(case: &CaseRecord) -> String {
         let _ = writeln!(out, "\nand {} more claims.", all.len() - CLAIMS);
     }
     out
+}
+
+/// What passed by the middle of its value alone: accepted, and not proven.
+fn by_middle(page: &mut BoundedText, run: &RunRecord) {
+    let cases = run.cases.iter().filter(|case| case.is_judged());
+    let all: Vec<_> = cases
+        .flat_map(|case| case.measurements.iter().map(move |m| (case, m)))
+        .filter(|(_, m)| m.by_middle && m.verdict == Verdict::Pass)
+        .collect();
+    if all.is_empty() {
+        return;
+    }
+    let mut out = String::from(
+        "\n### Accepted and not proven\n\n| limits | observed | why | measurement | case |\n| --- | --- | --- | --- | --- |\n",
+    );
+    for (case, m) in all.iter().take(ROWS) {
+        let cells = [&show::limits(m), &show::covered(m), show::by_middle(m), &m.name, &case.name];
+        let _ = writeln!(out, "| {} |", cells.map(code).join(" | "));
+    }
+    if all.len() > ROWS {
+        let _ = writeln!(out, "\nand {} more.", all.len() - ROWS);
+    }
+    page.add(&out);
 }
 
 /// What passed most narrowly: the margin as a part of what the limits leave on either side; of a claim in many rows,

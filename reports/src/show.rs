@@ -2,7 +2,7 @@
 
 use record::{
     CaseRecord, CaseStatus, Figure, InstrumentRecord, InstrumentStatement, MeasurementRecord, RunRecord,
-    Statistics, Verdict,
+    Statistics, Unguarded, Verdict,
 };
 use signal::{Span, Value};
 use std::borrow::Cow;
@@ -153,17 +153,26 @@ pub(crate) fn limits(measurement: &MeasurementRecord) -> String {
     limits
 }
 
-/// Whether something was measured in a case whose limits have no guard band, so that a pass is accepted and not proven.
-pub(crate) fn is_unguarded(case: &CaseRecord) -> bool {
-    case.is_judged() && case.measurements.iter().any(|m| !m.guard_band.is_uncertainty())
+/// The reason of a verdict that the middle of a value alone decided; empty for all others.
+pub(crate) fn by_middle(measurement: &MeasurementRecord) -> &str {
+    if measurement.by_middle { &measurement.reason } else { "" }
 }
 
-/// How many cases of a run are like that, in words; empty for none.
+/// What of a run was measured without a guard band, in words; empty for nothing.
 pub(crate) fn unguarded(run: &RunRecord) -> String {
-    match run.cases.iter().filter(|case| is_unguarded(case)).count() {
-        0 => String::new(),
+    unguarded_words(run.unguarded())
+}
+
+/// How many cases of a run were measured without a guard band, in words; empty for none.
+pub fn unguarded_words(Unguarded { cases, by_middle }: Unguarded) -> String {
+    let measured = match cases {
+        0 => return String::new(),
         1 => "1 case measured without a guard band".to_owned(),
         n => format!("{n} cases measured without a guard band"),
+    };
+    match by_middle {
+        0 => measured,
+        n => format!("{measured}, {n} of them decided by a middle"),
     }
 }
 

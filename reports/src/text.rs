@@ -47,7 +47,8 @@ fn is_quiet(case: &CaseRecord) -> bool {
     !case.is_judged() || case.verdict == Verdict::Pass
 }
 
-/// One line, without its end: verdict, modelled time of the case in seconds, name, and that a measurement has no guard band;
+/// One line, without its end: verdict, modelled time of the case in seconds, name, and that a measurement has no guard band or was
+/// decided by its middle alone;
 /// and the reason of a case that does not apply or was skipped.
 pub fn case_line(case: &CaseRecord, style: Style) -> String {
     line_of(case, "", style)
@@ -73,7 +74,11 @@ fn line_of(case: &CaseRecord, number: &str, style: Style) -> String {
     let name = clean(&case.name);
     let word = paint(&format!("{word:>12}"), outcome, style);
     if case.is_judged() {
-        let guard = if show::is_unguarded(case) { " (guard none)" } else { "" };
+        let guard = match (case.is_unguarded(), case.is_by_middle()) {
+            (false, _) => "",
+            (true, false) => " (guard none)",
+            (true, true) => " (guard none, by its middle)",
+        };
         format!("{word} [{:>10}] {number}{name}{guard}", seconds(case.duration_ns))
     } else {
         format!("{word} [{:>10}] {number}{name}: {}", "", clean(show::reason(case)))

@@ -102,3 +102,54 @@ fn judged_captures_differ_in_their_files_and_not_in_nothing() {
     let ran = bench.rig(&["diff", "one", "again"]);
     assert!(!ran.out.contains("Files that changed"), "{}", ran.out);
 }
+
+#[test]
+fn a_guard_band_that_is_gone_is_said() {
+    let bench = TestProject::new();
+    // The lamp is sampled every 10 ms, so that its delay is known to within 20 ms: 500 ms .. 520 ms.
+    let mut rows = String::from("time [ms],button,lamp\n");
+    for at in (0..=3_000).step_by(10) {
+        rows += &format!("{at},{},{}\n", u8::from(at >= 1_000), u8::from(at >= 1_510));
+    }
+    bench.write("one.csv", &rows);
+    let judge = |guard: &str, max: u32, folder: &str| {
+        let measure = format!(
+            "measure = [{{ name = \"delay\", from = \"press\", to = {{ signal = \"lamp\", edge = \"rises\" }}, max = \"{max} ms\", \
+             guard = \"{guard}\", pulses-longer-than = \"20 ms\" }}]\nsignals ="
+        );
+        bench.write_lamp("lamp.toml", "signals =", &measure);
+        let args = ["judge", "lamp.toml", "one.csv", "--start", "0 s", "--at", "press=button rises"];
+        bench.rig(&[&args[..], &["--report", folder]].concat());
+        bench.json(&format!("{folder}/record.json"))["cases"][0]["measurements"][0].clone()
+    };
+    let proven = judge("uncertainty", 530, "proven");
+    assert_eq!(
+        (&proven["verdict"], &proven["by_middle"]),
+        (&"pass".into(), &serde_json::Value::Null),
+        "{proven}"
+    );
+    let accepted = judge("none", 515, "accepted");
+    assert_eq!((&accepted["verdict"], &accepted["by_middle"]), (&"pass".into(), &true.into()), "{accepted}");
+    let ran = bench.expect(1, &["diff", "proven", "accepted"]);
+    let said = "Proven before, now accepted by its middle\n  lamp: delay\n      guard uncertainty became none, by its middle\n";
+    assert!(ran.out.contains(said), "{}", ran.out);
+    let ran = bench.rig(&["diff", "accepted", "proven"]);
+    assert!(ran.out.contains("Guard bands that changed\n  lamp: delay\n"), "{}", ran.out);
+    bench.expect(0, &["history", "add", "proven", "accepted"]);
+    let ran = bench.expect(0, &["history", "show"]);
+    assert_eq!(
+        ran.out.matches("1 case measured without a guard band, 1 of them decided by a middle").count(),
+        1
+    );
+}
+
+#[test]
+fn the_last_event_counts_cases_without_a_guard_band() {
+    let bench = TestProject::new();
+    let measure = "measure = [{ name = \"delay\", from = \"press\", to = { signal = \"lamp\", edge = \"rises\" }, max = \"1 s\", \
+                   guard = \"none\" }]\nsignals =";
+    bench.write_lamp("lamp.toml", "signals =", measure);
+    let ran = bench.expect(0, &["test", "lamp.toml", "--format", "json"]);
+    let last: serde_json::Value = serde_json::from_str(ran.out.lines().last().unwrap()).unwrap();
+    assert_eq!(last["unguarded"], serde_json::json!({ "cases": 1, "by_middle": 0 }));
+}

@@ -72,6 +72,7 @@ impl EarlyEnd {
         let unfinished = record.value.is_none() || depends_on_end(anchors, scene);
         if self.lost.is_some() && unfinished {
             record.verdict = Verdict::Inconclusive;
+            record.by_middle = false;
             record.reason = String::from(NOT_JUDGED);
             record.margin = None;
         }

@@ -343,6 +343,7 @@ pub(super) fn judge(
     };
     if limits.hold(extent) == (true, true) && record.verdict != Verdict::Inconclusive {
         let sense = if record.verdict == Verdict::Pass { "accepted" } else { record.reason.as_str() };
+        record.by_middle = true;
         record.reason =
             format!("{sense} by its middle: a limit lies within the uncertainty and `guard` is \"none\"");
     }
@@ -382,6 +383,7 @@ fn with_unseen(
 /// The same, open where it was a pass or had no verdict.
 pub(super) fn open(mut record: MeasurementRecord, why: &str) -> MeasurementRecord {
     record.verdict = Verdict::Inconclusive;
+    record.by_middle = false;
     record.reason = why.to_owned();
     record
 }

@@ -167,6 +167,7 @@ fn provenance(run: &RunRecord) -> Vec<NamedFact> {
         fact("Clock", p.clock.word().to_owned(), false),
         fact("Rig timing", quality(run), false),
         fact("Part", part(run), false),
+        fact("Guard bands", show::unguarded(run), false),
         fact("Seed", p.seed.to_string(), true),
         fact("Started", p.started.clone().unwrap_or_default(), false),
         fact("rig", run.rig_version.clone(), false),

@@ -214,6 +214,7 @@ fn facts_of(run: &RunRecord) -> Vec<(&'static str, String)> {
         ("rig.clock", facts.clock.word().to_owned()),
         ("rig.seed", facts.seed.to_string()),
         ("rig.profiles", facts.profiles.join(" ")),
+        ("rig.guard", show::unguarded(run)),
         ("rig.shard", run.shard.map_or(String::new(), |[part, of]| format!("{part}/{of}"))),
         ("host.kernel", facts.kernel.clone()),
     ];
@@ -310,8 +311,9 @@ fn system_out(case: &CaseRecord, folder: &str, passed: bool) -> String {
         let limits = Some(show::limits(m)).filter(|limits| !limits.is_empty());
         let limits = limits.map(|limits| format!("limits {limits}"));
         let coverage = Some(&m.coverage).filter(|words| !words.is_empty() && m.value.is_some());
-        let facts: Vec<String> =
-            limits.into_iter().chain(coverage.map(|words| format!("coverage {words}"))).collect();
+        let by_middle = Some(show::by_middle(m).to_owned()).filter(|reason| !reason.is_empty());
+        let coverage = coverage.map(|words| format!("coverage {words}"));
+        let facts: Vec<String> = limits.into_iter().chain(coverage).chain(by_middle).collect();
         let facts = if facts.is_empty() { String::new() } else { format!(" ({})", facts.join("; ")) };
         line(&plain(&format!("{} {} = {}{facts}", m.verdict, m.name, show::value(m))));
     }

@@ -224,6 +224,16 @@ impl CaseRecord {
         }
     }
 
+    /// Whether something was measured whose limits have no guard band, so that a pass may be accepted and not proven.
+    pub fn is_unguarded(&self) -> bool {
+        self.is_judged() && self.measurements.iter().any(|m| !m.guard_band.is_uncertainty())
+    }
+
+    /// Whether the middle of a value alone decided something, which its interval would have left open.
+    pub fn is_by_middle(&self) -> bool {
+        self.is_judged() && self.measurements.iter().any(|m| m.by_middle)
+    }
+
     /// The greatest verdict of the claims and the measurements.
     pub fn folded(&self) -> Verdict {
         let claims = self.claims.iter().map(|c| c.verdict);

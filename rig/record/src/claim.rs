@@ -146,6 +146,9 @@ pub struct MeasurementRecord {
     /// How the uncertainty of the value counts against the limits.
     #[serde(skip_serializing_if = "GuardBand::is_uncertainty")]
     pub guard_band: GuardBand,
+    /// Without a guard band: the middle alone decides, for a limit lies within the interval of the value. The reason has the words.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub by_middle: bool,
     /// What it came to; [`Verdict::None`] for a measurement without limits that was taken.
     pub verdict: Verdict,
     /// Why, in one sentence; empty for a plain pass.

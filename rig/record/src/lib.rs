@@ -29,7 +29,8 @@ pub use case::{
 };
 pub use claim::{Bounds, ClaimOrigin, ClaimRecord, GuardBand, MeasurementRecord, Window};
 pub use compare::{
-    COMPARISON_FORMAT, CaseChange, ClaimChange, Comparison, Erosion, Move, TextChange, Thresholds, compare,
+    COMPARISON_FORMAT, CaseChange, ClaimChange, Comparison, Erosion, GuardChange, Move, TextChange,
+    Thresholds, compare,
 };
 pub use coverage::{FileCoverage, MAX_COVERED_FILES, MAX_LINE_RANGES};
 pub use figure::Figure;
@@ -37,7 +38,9 @@ pub use instrument::{InstrumentRecord, InstrumentStatement};
 pub use json::{MAX_CASES, MAX_JSON_BYTES, RecordError};
 pub use lane::{Lane, LaneKind, LanePoint, LaneValue, MAX_LANE_POINTS};
 pub use machine::{Durations, MACHINE_FORMAT, MAX_MACHINE_BYTES, MachineRecord};
-pub use run::{ClauseFact, FORMAT, OLDEST_FORMAT, Provenance, RequirementFact, RunClock, RunRecord, Totals};
+pub use run::{
+    ClauseFact, FORMAT, OLDEST_FORMAT, Provenance, RequirementFact, RunClock, RunRecord, Totals, Unguarded,
+};
 pub use statistics::{FigureOf, Repeated, RepeatedFigure, Statistics};
 pub use timing::{LateWake, MAX_LATE_WAKES, RigTiming, Wakes};
 pub use verdict::Verdict;

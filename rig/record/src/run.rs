@@ -105,6 +105,15 @@ impl Totals {
     }
 }
 
+/// How many cases of a run were measured without a guard band (`guard = "none"`).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Unguarded {
+    /// Those with such a measurement.
+    pub cases: u64,
+    /// Those of them with a verdict that the middle of a value alone decided.
+    pub by_middle: u64,
+}
+
 /// The record of a run: all that reports read.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunRecord {
@@ -215,6 +224,12 @@ impl RunRecord {
         }
         self.totals.count(&case);
         self.cases.push(case);
+    }
+
+    /// The cases that were measured without a guard band.
+    pub fn unguarded(&self) -> Unguarded {
+        let count = |is: fn(&CaseRecord) -> bool| self.cases.iter().filter(|case| is(case)).count() as u64;
+        Unguarded { cases: count(CaseRecord::is_unguarded), by_middle: count(CaseRecord::is_by_middle) }
     }
 
     /// The greatest verdict of the judged cases; [`Verdict::None`] when none was judged.

@@ -4,7 +4,7 @@
 //! the write-ahead log: the history stays one file, which a CI server can cache.
 
 use document::Diagnostic;
-use record::{CaseRecord, CaseStatus, RunRecord, Verdict};
+use record::{CaseRecord, CaseStatus, RunRecord, Unguarded, Verdict};
 use rusqlite::config::DbConfig;
 use rusqlite::{
     Connection, ErrorCode, OpenFlags, OptionalExtension, Statement, ToSql, Transaction, TransactionBehavior,
@@ -64,6 +64,10 @@ const TABLES: &str = "
         PRIMARY KEY (figure_id, run)
     ) WITHOUT ROWID;
 ";
+
+/// How many cases of a run were measured without a guard band. A table beside the others: rigs of before pass over it, and it is made
+/// where it is not there.
+const UNGUARDED: &str = "CREATE TABLE IF NOT EXISTS unguarded (run INTEGER PRIMARY KEY, cases INTEGER NOT NULL, by_middle INTEGER NOT NULL)";
 
 /// What became of a run that was to be added.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -250,6 +254,12 @@ fn insert(transaction: &Transaction<'_>, name: &str, sha256: &str, run: &RunReco
         ],
     )?;
     let id = transaction.last_insert_rowid();
+    let Unguarded { cases, by_middle } = run.unguarded();
+    transaction.execute_batch(UNGUARDED)?;
+    transaction.execute(
+        "INSERT OR REPLACE INTO unguarded (run, cases, by_middle) VALUES (?1, ?2, ?3)",
+        params![id, cases.cast_signed(), by_middle.cast_signed()],
+    )?;
     let mut tables = Inserts::of(transaction)?;
     for case in &run.cases {
         let case_id = tables.case_name.id(params![case.name])?;
@@ -335,6 +345,7 @@ fn forget(transaction: &Transaction<'_>, keep: u32) -> rusqlite::Result<()> {
     if gone > 0 {
         transaction.execute_batch(
             "DELETE FROM case_result WHERE run < (SELECT min(id) FROM run);
+             DELETE FROM unguarded WHERE run < (SELECT min(id) FROM run);
              DELETE FROM figure WHERE run < (SELECT min(id) FROM run);
              DELETE FROM figure_name WHERE id NOT IN (SELECT figure_id FROM figure);
              DELETE FROM case_name WHERE id NOT IN (SELECT case_id FROM case_result);",

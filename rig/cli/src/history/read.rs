@@ -2,6 +2,7 @@
 
 use super::database::HistoryDatabase;
 use document::Diagnostic;
+use record::Unguarded;
 use rusqlite::params;
 use std::collections::BTreeMap;
 
@@ -23,6 +24,8 @@ pub(super) struct PastRun {
     pub passed: u64,
     /// Judged cases that did not.
     pub others: u64,
+    /// Those that were measured without a guard band.
+    pub unguarded: Unguarded,
 }
 
 /// What became of a case in a run.
@@ -93,7 +96,21 @@ fn query(database: &HistoryDatabase, last: u32, only: Option<&str>) -> rusqlite:
             verdict: row.get(4)?,
             passed: row.get::<_, i64>(5)?.unsigned_abs(),
             others: row.get::<_, i64>(6)?.unsigned_abs(),
+            unguarded: Unguarded::default(),
         });
+    }
+    // A history that a rig of before wrote has no such table.
+    let known = "SELECT count(*) > 0 FROM sqlite_schema WHERE name = 'unguarded'";
+    if moment.query_row(known, [], |row| row.get(0))? {
+        let mut statement = moment.prepare("SELECT run, cases, by_middle FROM unguarded")?;
+        let mut rows = statement.query([])?;
+        while let Some(row) = rows.next()? {
+            let Some(run) = places.get(&row.get(0)?).and_then(|place| past.runs.get_mut(*place)) else {
+                continue;
+            };
+            let [cases, by_middle] = [row.get::<_, i64>(1)?, row.get(2)?].map(i64::unsigned_abs);
+            run.unguarded = Unguarded { cases, by_middle };
+        }
     }
     let oldest = places.keys().next().copied().unwrap_or(0);
     let only = only.unwrap_or_default();

@@ -2,7 +2,7 @@
 
 use super::read::{PastFigure, PastResult, PastRuns};
 use super::trend::{Stability, Trend};
-use record::Figure;
+use record::{Figure, Unguarded};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -52,13 +52,25 @@ pub(super) fn table(past: &PastRuns, all: bool) -> String {
         let (started, version) = (&run.started, &run.rig_version);
         let _ = writeln!(
             out,
-            "  {started:20}  rig {version:8}  {:12}  {} passed, {} not  {}",
-            run.verdict, run.passed, run.others, run.name
+            "  {started:20}  rig {version:8}  {:12}  {} passed, {} not{}  {}",
+            run.verdict,
+            run.passed,
+            run.others,
+            unguarded(run.unguarded),
+            run.name
         );
     }
     cases(&mut out, past, all);
     figures(&mut out, past, all);
     out
+}
+
+/// What of a run was measured without a guard band, after its counts.
+fn unguarded(found: Unguarded) -> String {
+    match reports::unguarded_words(found) {
+        said if said.is_empty() => said,
+        said => format!(", {said}"),
+    }
 }
 
 fn cases(out: &mut String, past: &PastRuns, all: bool) {
@@ -156,7 +168,7 @@ pub(super) fn json(past: &PastRuns) -> String {
         .map(|run| {
             json!({
                 "name": run.name, "started": run.started, "rig_version": run.rig_version,
-                "verdict": run.verdict, "passed": run.passed, "others": run.others,
+                "verdict": run.verdict, "passed": run.passed, "others": run.others, "unguarded": run.unguarded,
             })
         })
         .collect();

@@ -80,6 +80,7 @@ impl RunObserver for JsonEvents {
             "event": "run-finished",
             "planned": run.planned,
             "totals": run.totals,
+            "unguarded": run.unguarded(),
             "verdict": run.verdict(),
             "coverage": run.coverage,
             "repeated": run.repeated(),

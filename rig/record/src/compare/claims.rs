@@ -1,7 +1,7 @@
 //! Claims and measurements of one case in two runs.
 
-use super::{ClaimChange, Comparison, Erosion, Move, Thresholds};
-use crate::{CaseRecord, Figure, Verdict};
+use super::{ClaimChange, Comparison, Erosion, GuardChange, Move, Thresholds};
+use crate::{CaseRecord, Figure, GuardBand, Verdict};
 use std::collections::BTreeMap;
 
 /// A claim or measurement, as far as it is compared.
@@ -12,6 +12,9 @@ struct ClaimEntry<'a> {
     unknown: f64,
     value: Option<[f64; 2]>,
     unit: &'a str,
+    /// How its uncertainty counts against its limits, and whether its middle alone decides; nothing for a claim, and where no
+    /// limits are.
+    guard: Option<(GuardBand, bool)>,
 }
 
 /// Entries by kind, name and turn: names need not be unique in a case.
@@ -35,6 +38,7 @@ pub(super) fn compare(was: &CaseRecord, is: &CaseRecord, thresholds: &Thresholds
         };
         found.eroded.extend(eroded(was, name, old, new, thresholds));
         found.moved.extend(moved(was, name, old, new));
+        found.guards.extend(guard(was, name, old, new));
     }
     for (_, name, _) in after.keys().filter(|key| !before.contains_key(*key)) {
         found.claims.push(ClaimChange { case: was.name.clone(), name: (*name).to_owned(), missing: false });
@@ -58,6 +62,7 @@ fn entries(case: &CaseRecord) -> Entries<'_> {
             unknown: unknown.map_or(0.0, |u| u.value.abs()),
             value: None,
             unit: "",
+            guard: None,
         };
         all.insert((false, claim.name.as_str(), turn(false, claim.name.as_str())), entry);
     }
@@ -68,6 +73,7 @@ fn entries(case: &CaseRecord) -> Entries<'_> {
             unknown: m.value.map_or(0.0, |[low, high]| high - low),
             value: m.value,
             unit: &m.unit,
+            guard: (m.verdict != Verdict::None).then_some((m.guard_band, m.by_middle)),
         };
         all.insert((true, m.name.as_str(), turn(true, m.name.as_str())), entry);
     }
@@ -87,6 +93,10 @@ fn eroded(
     if old.verdict != Verdict::Pass || new.verdict != Verdict::Pass || was.unit != is.unit {
         return None;
     }
+    // That of a middle is no less than that of the same value with its guard band.
+    if old.guard.map(|(band, _)| band) != new.guard.map(|(band, _)| band) {
+        return None;
+    }
     let lost = was.value - is.value;
     let lost_percent = 100.0 * lost / was.value;
     let known = lost > old.unknown.max(new.unknown);
@@ -96,6 +106,24 @@ fn eroded(
         old: was.clone(),
         new: is.clone(),
         lost_percent,
+    })
+}
+
+/// Another guard band, or another use of it.
+fn guard(case: &CaseRecord, name: &str, old: &ClaimEntry<'_>, new: &ClaimEntry<'_>) -> Option<GuardChange> {
+    let (was, is) = (old.guard?, new.guard?);
+    let passes = old.verdict == Verdict::Pass && new.verdict == Verdict::Pass;
+    let word = |(band, by_middle)| match (band, by_middle) {
+        (GuardBand::Uncertainty, _) => "uncertainty",
+        (GuardBand::None, false) => "none",
+        (GuardBand::None, true) => "none, by its middle",
+    };
+    (was != is).then(|| GuardChange {
+        case: case.name.clone(),
+        name: name.to_owned(),
+        old: word(was),
+        new: word(is),
+        worse: passes && was.0 != is.0 && is.1,
     })
 }
 

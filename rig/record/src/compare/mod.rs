@@ -93,6 +93,21 @@ pub struct Move {
     pub unit: String,
 }
 
+/// A measurement whose limits have another guard band, or whose verdict the middle of its value alone decides in one of the runs.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct GuardChange {
+    /// The case.
+    pub case: String,
+    /// The measurement's name.
+    pub name: String,
+    /// In the earlier run: `uncertainty`, `none`, or `none, by its middle`.
+    pub old: &'static str,
+    /// In the later run.
+    pub new: &'static str,
+    /// Whether a pass that was proven is accepted by its middle, since the guard band is gone.
+    pub worse: bool,
+}
+
 /// What changed between two runs. Every list is in the order of the cases of the earlier run, then of the later one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
@@ -112,6 +127,8 @@ pub struct Comparison {
     pub eroded: Vec<Erosion>,
     /// Measured values that moved.
     pub moved: Vec<Move>,
+    /// Measurements with another guard band.
+    pub guards: Vec<GuardChange>,
     /// Cases whose traces differ though all files, parameters, seed and build of rig are the same. In virtual time
     /// there are none.
     pub traces: Vec<String>,
@@ -130,6 +147,7 @@ pub fn compare(old: &RunRecord, new: &RunRecord, thresholds: &Thresholds) -> Com
         claims: Vec::new(),
         eroded: Vec::new(),
         moved: Vec::new(),
+        guards: Vec::new(),
         traces: Vec::new(),
         same: 0,
     };
@@ -182,7 +200,10 @@ pub fn compare(old: &RunRecord, new: &RunRecord, thresholds: &Thresholds) -> Com
         });
     }
     let lost = found.claims.iter().any(|claim| claim.missing) && !thresholds.allow_missing;
-    found.worse = lost || !found.eroded.is_empty() || found.cases.iter().any(|case| case.worse);
+    found.worse = lost
+        || !found.eroded.is_empty()
+        || found.cases.iter().any(|case| case.worse)
+        || found.guards.iter().any(|guard| guard.worse);
     found
 }
 

@@ -1,7 +1,7 @@
 //! What is a change, and which changes are worse.
 
 use super::*;
-use crate::{ClaimRecord, InstrumentRecord, MeasurementRecord, Parameter, Provenance};
+use crate::{ClaimRecord, GuardBand, InstrumentRecord, MeasurementRecord, Parameter, Provenance};
 
 fn claim(name: &str, margin: f64, uncertainty: f64) -> ClaimRecord {
     ClaimRecord {
@@ -110,6 +110,41 @@ fn values_move_when_they_cannot_be_one() {
     let found = compared(&with(1.0, 2.0), &with(2.5, 3.0));
     assert_eq!((found.moved[0].old, found.moved[0].new), ([1.0, 2.0], [2.5, 3.0]));
     assert!(!found.worse);
+}
+
+#[test]
+fn a_pass_that_is_no_longer_proven_is_worse() {
+    let with = |guard_band: GuardBand, by_middle: bool, margin: f64, verdict: Verdict| {
+        let mut one = case("a", verdict);
+        let margin = Some(Figure::new(margin, "ns"));
+        let name = "m".into();
+        let taken = MeasurementRecord {
+            name,
+            guard_band,
+            by_middle,
+            margin,
+            verdict,
+            ..MeasurementRecord::default()
+        };
+        one.measurements = vec![taken];
+        run([one])
+    };
+    let pass = |guard_band, by_middle| with(guard_band, by_middle, 10.0, Verdict::Pass);
+    let proven = pass(GuardBand::Uncertainty, false);
+    let found = compared(&proven, &pass(GuardBand::None, true));
+    assert!(found.worse && found.guards[0].worse, "{found:?}");
+    assert_eq!((found.guards[0].old, found.guards[0].new), ("uncertainty", "none, by its middle"));
+    // Its whole interval lies inside the limits: that is proven still.
+    let found = compared(&proven, &pass(GuardBand::None, false));
+    assert!(!found.worse && found.guards.len() == 1);
+    // Whoever asked for no guard band accepted it before.
+    let found = compared(&pass(GuardBand::None, false), &pass(GuardBand::None, true));
+    assert!(!found.worse && found.guards.len() == 1);
+    // The margin of a middle is another figure than that of the interval.
+    let found =
+        compared(&pass(GuardBand::None, false), &with(GuardBand::Uncertainty, false, 1.0, Verdict::Pass));
+    assert!(!found.worse && found.eroded.is_empty());
+    assert!(compared(&proven, &proven).guards.is_empty());
 }
 
 #[test]
