@@ -1,4 +1,4 @@
-//! Exit code 130: the user stops a run; what ran is kept, what runs ends with its outputs safe.
+//! Exit codes 130 and 141: the user stops a run, or no longer reads it; what ran is kept, what runs ends with its outputs safe.
 
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
@@ -161,4 +161,38 @@ fn a_run_whose_words_nobody_reads_ends_all_the_same() {
         interrupt(&child, Signal::SIGINT);
         assert_eq!(end(child), Some(130));
     }
+}
+
+const QUICK: &str = "format = 1\ntitle = \"Quick\"\nprogram = \"lamp.st\"\nends = \"start + 10 ms\"\nsignals = { lamp = \"%QX0.4\" }\n\
+                     expect = [{ stays = { signal = \"lamp\", is = false, from = \"start\", until = \"end\" } }]\n";
+
+#[test]
+fn a_reader_that_closes_its_pipe_ends_the_run() {
+    let bench = TestProject::new();
+    bench.write("a.toml", QUICK);
+    bench.write_lamp("hours.toml", "program =", "ends = \"start + 900 d\"\ntimeout = \"999 d\"\nprogram =");
+    for more in [&["--format", "text"][..], &["--format", "json"], &["--clock", "real"]] {
+        let args = [&["test", "a.toml", "hours.toml"][..], more].concat();
+        let mut child = start(bench.command(&args));
+        let err = drain(child.stderr.take().unwrap());
+        let mut out = BufReader::new(child.stdout.take().unwrap());
+        out.read_line(&mut String::new()).unwrap();
+        drop(out);
+        assert_eq!(end(child), Some(141), "{more:?}");
+        assert_eq!(err.join().unwrap(), "", "{more:?}");
+    }
+}
+
+#[test]
+fn reports_are_whole_whoever_reads_the_lines() {
+    let bench = TestProject::new();
+    bench.write("a.toml", QUICK);
+    for (more, file) in [(["--report", "out"], "out/record.json"), (["--summary", "all.md"], "all.md")] {
+        let mut child = start(bench.command(&[&["test", "a.toml", "--repeat", "60"][..], &more].concat()));
+        drop(child.stdout.take());
+        assert_eq!(end(child), Some(0));
+        assert!(bench.read(file).contains("60"), "{file}");
+    }
+    assert_eq!(bench.json("out/record.json")["totals"]["passed"], 60);
+    assert_eq!(bench.list("out"), crate::report::OUTPUTS);
 }

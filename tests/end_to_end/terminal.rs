@@ -248,7 +248,8 @@ fn a_closed_pipe_ends_nothing_badly() {
     let bench = three();
     let mut child = bench.command(&with(&["--format", "json"])).stdout(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
-    assert_eq!(child.wait().unwrap().code(), Some(1));
+    // Whether all cases had ended by then is a matter of moments.
+    assert!(matches!(child.wait().unwrap().code(), Some(1 | 141)));
     let quiet = bench.command(&with(&[])).stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
     let mut quiet = quiet.unwrap();
     let err = drain(quiet.stderr.take().unwrap());

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 /// The exit codes, as `--help` and the README list them.
 pub const EXIT_CODES: &str = "Exit codes: 0 all passed, 1 a case failed, 2 something is wrong with your files or \
 arguments (an empty selection, or no case that was judged, too), 3 inconclusive at worst, 4 an error of the rig itself, 130 interrupted after a \
-clean teardown.";
+clean teardown, 141 ended early because nobody reads standard output any more.";
 
 /// How a command ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +23,9 @@ pub enum ExitStatus {
     Error,
     /// Interrupted by the user, after a clean teardown.
     Interrupted,
+    /// Ended early, after a clean teardown: whoever read standard output closed it. The number that a shell gives a command
+    /// that SIGPIPE ended.
+    Unread,
 }
 
 impl ExitStatus {
@@ -35,6 +38,7 @@ impl ExitStatus {
             ExitStatus::Inconclusive => 3,
             ExitStatus::Error => 4,
             ExitStatus::Interrupted => 130,
+            ExitStatus::Unread => 141,
         }
     }
 

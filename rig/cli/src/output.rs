@@ -7,11 +7,12 @@ use crate::output_thread::{OutputThread, Stream};
 use clap::ValueEnum;
 use control::RequestFault;
 use document::{Diagnostic, SourceFile};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use std::backtrace::{Backtrace, BacktraceStatus};
 use std::borrow::Cow;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::OnceLock;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// Whether to colour text.
@@ -114,20 +115,53 @@ pub fn never_wait() -> io::Result<()> {
 /// The thread of a command that prints everything, but whose reader is not to keep it from an interrupt.
 static THREAD: OnceLock<OutputThread> = OnceLock::new();
 
+/// Whether whoever read standard output has closed it.
+static UNREAD: AtomicBool = AtomicBool::new(false);
+
+/// Whether whoever read standard output has closed it, as far as a [`wait_until`] found.
+pub fn is_unread() -> bool {
+    UNREAD.load(Ordering::Relaxed)
+}
+
+/// Whether standard output is a pipe that nobody reads any more.
+fn is_closed() -> bool {
+    let out = io::stdout();
+    let mut polled = [PollFd::new(&out, PollFlags::empty())];
+    let at_once = Timespec { tv_sec: 0, tv_nsec: 0 };
+    poll(&mut polled, Some(&at_once)).is_ok() && polled[0].revents().contains(PollFlags::ERR)
+}
+
 /// From now on a reader of what is printed is waited for until an interrupt, and no longer. A terminal is written to at
-/// once: an interrupt that is typed there empties it.
+/// once: an interrupt that is typed there empties it. With `ends_unread` a reader that closes its pipe is an interrupt.
 ///
 /// # Errors
 /// The machine has no room for a thread.
-pub fn wait_until(interrupt: &'static AtomicBool) -> io::Result<()> {
-    let thread = OutputThread::start(interrupt, |stream, text| match stream {
+pub fn wait_until(interrupt: &'static AtomicBool, ends_unread: bool) -> io::Result<()> {
+    let closed = move || {
+        if ends_unread {
+            UNREAD.store(true, Ordering::Relaxed);
+            interrupt.store(true, Ordering::Relaxed);
+        }
+    };
+    let write = move |stream, text: &[u8]| match stream {
         Stream::Output => {
             let mut out = io::stdout();
-            keep_fault(out.write_all(text).and_then(|()| out.flush()));
+            let written = out.write_all(text).and_then(|()| out.flush());
+            if matches!(&written, Err(error) if error.kind() == ErrorKind::BrokenPipe) {
+                closed();
+            }
+            keep_fault(written);
         }
         // Nothing can be reported of what standard error does not take.
         Stream::Errors => drop(io::stderr().write_all(text)),
-    })?;
+    };
+    // A case may print nothing for hours.
+    let idle = move || {
+        if is_closed() {
+            closed();
+        }
+    };
+    let thread = OutputThread::start(interrupt, write, idle)?;
     // There is one command, and it asks once.
     let _ = THREAD.set(thread);
     Ok(())
@@ -271,7 +305,7 @@ pub fn finish(exit: ExitStatus) -> ExitStatus {
         thread.settle();
     }
     match exit {
-        ExitStatus::Interrupted => exit,
+        ExitStatus::Interrupted | ExitStatus::Unread => exit,
         _ => ExitStatus::Error,
     }
 }

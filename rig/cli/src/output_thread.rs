@@ -13,6 +13,9 @@ const ROOM: usize = 256 << 10;
 /// How long an interrupt may go unseen.
 const SLICE: Duration = Duration::from_millis(50);
 
+/// How often is looked whether a stream is read at all.
+const IDLE: Duration = Duration::from_millis(200);
+
 /// How long the readers are waited for after an interrupt.
 const AFTER_INTERRUPT: Duration = Duration::from_secs(1);
 
@@ -49,17 +52,18 @@ struct Waiting {
 impl OutputThread {
     /// Starts the thread. It is never joined: one whose stream takes nothing is left to it.
     ///
-    /// `write` writes to a stream and keeps what went wrong.
+    /// `write` writes to a stream and keeps what went wrong; `idle` is called now and then while there is nothing to write.
     ///
     /// # Errors
     /// The machine has no room for another thread.
     pub fn start(
         interrupt: &'static AtomicBool,
         write: impl FnMut(Stream, &[u8]) + Send + 'static,
+        idle: impl FnMut() + Send + 'static,
     ) -> io::Result<OutputThread> {
         let shared = Arc::new(Shared::default());
         let own = shared.clone();
-        std::thread::Builder::new().name("output".into()).spawn(move || own.write_with(write))?;
+        std::thread::Builder::new().name("output".into()).spawn(move || own.write_with(write, idle))?;
         Ok(OutputThread { shared, interrupt })
     }
 
@@ -107,13 +111,18 @@ impl Shared {
         self.changed.wait_timeout(waiting, limit).unwrap_or_else(PoisonError::into_inner).0
     }
 
-    fn write_with(&self, mut write: impl FnMut(Stream, &[u8])) {
+    fn write_with(&self, mut write: impl FnMut(Stream, &[u8]), mut idle: impl FnMut()) {
         loop {
             let mut waiting = self.lock();
             waiting.writes = false;
             while waiting.texts.is_empty() {
                 self.changed.notify_all();
-                waiting = self.changed.wait(waiting).unwrap_or_else(PoisonError::into_inner);
+                waiting = self.wait(waiting, IDLE);
+                if waiting.texts.is_empty() {
+                    drop(waiting);
+                    idle();
+                    waiting = self.lock();
+                }
             }
             let Some((stream, text)) = waiting.texts.pop_front() else { continue };
             waiting.bytes -= text.len();
@@ -134,9 +143,13 @@ mod tests {
     fn everything_is_written_in_the_order_of_printing() {
         static NEVER: AtomicBool = AtomicBool::new(false);
         let (written, texts) = mpsc::channel();
-        let thread = OutputThread::start(&NEVER, move |stream, text| {
-            written.send((stream, text.to_vec())).expect("the test waits");
-        })
+        let thread = OutputThread::start(
+            &NEVER,
+            move |stream, text| {
+                written.send((stream, text.to_vec())).expect("the test waits");
+            },
+            || {},
+        )
         .expect("a thread");
         let long = vec![b'x'; ROOM];
         for number in 0..20_u8 {
@@ -160,10 +173,14 @@ mod tests {
     fn a_stream_that_takes_nothing_does_not_outlast_an_interrupt() {
         static INTERRUPT: AtomicBool = AtomicBool::new(false);
         let (taken, wait) = mpsc::channel::<()>();
-        let thread = OutputThread::start(&INTERRUPT, move |_, _| {
-            // Until the test ends.
-            let _ = wait.recv();
-        })
+        let thread = OutputThread::start(
+            &INTERRUPT,
+            move |_, _| {
+                // Until the test ends.
+                let _ = wait.recv();
+            },
+            || {},
+        )
         .expect("a thread");
         let ends = std::thread::spawn(|| {
             std::thread::sleep(SLICE);

@@ -204,6 +204,8 @@ impl RunCollector {
 
     /// Writes the reports, reports the end, and returns how the command ends.
     fn finish(mut self, observer: &mut dyn RunObserver) -> ExitStatus {
+        // Whoever closes standard output after the last case has read its verdict.
+        let unread = output::is_unread();
         self.run.coverage =
             if self.run.shard.is_some() { self.coverage.part() } else { self.coverage.record() };
         self.run.host_ms = u64::try_from(self.began.elapsed().as_millis()).unwrap_or(u64::MAX);
@@ -216,6 +218,9 @@ impl RunCollector {
         if let Some(found) = self.trouble {
             output::findings(&[found], &[]);
             return ExitStatus::Error;
+        }
+        if unread {
+            return ExitStatus::Unread;
         }
         if INTERRUPT.load(Ordering::Relaxed) {
             return ExitStatus::Interrupted;

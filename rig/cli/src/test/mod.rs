@@ -23,7 +23,7 @@ use runtime::suite::Job;
 use std::sync::atomic::{AtomicBool, Ordering};
 use text_output::TextOutput;
 
-/// Set by the signal handler: the running cases end with their outputs safe.
+/// Set by the signal handler, and when nobody reads the lines any more: the running cases end with their outputs safe.
 static INTERRUPT: AtomicBool = AtomicBool::new(false);
 
 /// Runs plans.
@@ -50,7 +50,9 @@ fn try_run(args: &TestArgs) -> Result<ExitStatus, ExitStatus> {
         output::error(&format!("interrupts cannot be caught: {error}"));
         return Err(ExitStatus::Error);
     }
-    if let Err(error) = output::wait_until(&INTERRUPT) {
+    // What is written into files is wanted whoever reads the lines.
+    let ends_unread = args.report.is_none() && !args.reporting.writes();
+    if let Err(error) = output::wait_until(&INTERRUPT, ends_unread) {
         output::error(&format!("no thread can be started for what is printed: {error}"));
         return Err(ExitStatus::Error);
     }

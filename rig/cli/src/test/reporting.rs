@@ -25,6 +25,11 @@ pub struct ReportingArgs {
 }
 
 impl ReportingArgs {
+    /// Whether something of the run is kept beside its folder.
+    pub fn writes(&self) -> bool {
+        self.summary.is_some() || self.history.is_some()
+    }
+
     /// Writes record and reports, the summary, and adds to the history; gives the path of the page.
     ///
     /// # Errors
