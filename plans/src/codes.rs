@@ -67,6 +67,7 @@ document::codes! {
     UNUSED = "P0623", "A name that is bound and never used";
     CUT_OFF = "P0624", "A step that lasts longer than its case";
     NEVER_ARMED = "P0625", "A watchdog that is never armed";
+    GUARD_OF_NOTHING = "P0626", "A guard band of a plan that no measurement takes";
     WAVE = "P0640", "A wave that cannot be";
     SAMPLES = "P0641", "A wave with too many or too few values";
     ENCODER = "P0642", "A motion of an encoder that cannot be";

@@ -35,6 +35,28 @@ alarms = [{ name = \"spare\", when = { signal = \"spare\", is = true } }]
 }
 
 #[test]
+fn a_guard_band_that_no_measurement_takes_is_reported() {
+    let plan = |guard: &str, more: &str| {
+        format!(
+            "guard = \"{guard}\"\nsignals = {{ lamp = \"%QX0.4\" }}\nexpect = [{{ rises = {{ signal = \"lamp\" }} }}]\n{more}"
+        )
+    };
+    let measure = |keys: &str| format!("measure = [{{ name = \"n\", value-of = \"lamp\"{keys} }}]\n");
+    assert_eq!(warnings(&plan("none", "")), ["P0626 3"]);
+    // It has no limits, or another guard band.
+    assert_eq!(warnings(&plan("none", &measure(""))), ["P0626 3"]);
+    assert_eq!(warnings(&plan("none", &measure(", max = 1, guard = \"uncertainty\""))), ["P0626 3"]);
+    for taken in [", max = 1", ", min = 0", ", nominal = 1, tolerance = 0"] {
+        assert!(warnings(&plan("none", &measure(taken))).is_empty(), "{taken}");
+    }
+    // What is so without the key is nothing to speak of.
+    assert!(warnings(&plan("uncertainty", "")).is_empty());
+    let group = "steps = [{ id = \"a\", at = \"start\", run = { group = \"g\" } }]\n[group.g]\n\
+                 measure = [{ name = \"n\", value-of = \"lamp\", max = 1 }]\n";
+    assert!(warnings(&plan("none", group)).is_empty());
+}
+
+#[test]
 fn a_step_that_the_end_cuts_off_is_reported() {
     let plan = |ends: &str| {
         format!(

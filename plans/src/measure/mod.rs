@@ -31,7 +31,7 @@ use crate::monitor::jitter::JitterQuery;
 use crate::monitor::{CaseTimeline, NotJudged, NumberLimits, PulseRule, TraceSignals, UnseenPulses};
 
 pub use gauge::Gauge;
-pub(crate) use read::{GUARD, GUARDS, guard};
+pub(crate) use read::{GUARD, GUARDS, LIMITS, guard};
 pub use read::{KEYS, read};
 
 /// What is measured.

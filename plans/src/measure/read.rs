@@ -40,6 +40,9 @@ pub(crate) fn guard(fields: &Fields<'_>) -> Option<GuardBand> {
     })
 }
 
+/// The keys that are limits.
+pub(crate) const LIMITS: [&str; 3] = ["min", "max", "nominal"];
+
 /// The keys of an entry of `measure`.
 pub const KEYS: &[KeySpec] = &[
     KeySpec::required("name", KeyType::Text, "The name of the measurement in the report"),

@@ -1,18 +1,20 @@
 //! What can be said of a case before anything moves, beyond what its entries say of themselves: claims that look
-//! where nothing can be seen, steps that are cut off, watchdogs that never watch, names that nobody speaks of.
+//! where nothing can be seen, steps that are cut off, watchdogs that never watch, names that nobody speaks of, a guard band that nothing takes.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use document::Findings;
+use document::{Entry, Findings};
 use signal::{SignalInfo, Span, Value, ValueKind};
 
+use super::envelope::ListEntry;
+use super::read::PlanDocument;
 use super::times::part;
 use super::{PlanSettings, PlanStep, StepTime};
 use crate::codes;
 use crate::expect::{ClaimDemand, Expectation, condition::ValueCondition};
 use crate::lang::{Anchor, AnchorBase, Literal};
-use crate::measure::Measurement;
+use crate::measure::{self, Measurement};
 use crate::monitor::Truth;
 use crate::signals::{SignalBinding, SignalSource, TaskFigure};
 use crate::steps::{MAX_SAMPLES, Stimulus, WaveStimulus};
@@ -85,6 +87,25 @@ pub(super) fn unused(binding: &SignalBinding, out: &mut Findings) {
         message,
         "use it, remove it, or bind it by a table with `record = true` for the trace alone",
     );
+}
+
+/// Says of the plan's own `guard = "none"` that no measurement takes it: none has limits and no `guard` of its own.
+pub(super) fn guard_of_nothing(document: &PlanDocument, out: &mut Findings) {
+    let own = |entry: &&Entry| {
+        entry.node.as_text() == Some("none") && document.text.joined.is_first(entry.key_span.start)
+    };
+    let Some(entry) = document.head.entry(measure::GUARD).filter(own) else { return };
+    let takes_it = |one: &ListEntry| {
+        let has = |key: &str| one.node.as_table().is_some_and(|table| table.entry(key).is_some());
+        measure::LIMITS.iter().any(|key| has(key)) && !has(measure::GUARD)
+    };
+    let of_groups = document.groups.iter().flat_map(|group| &group.measure);
+    if document.measure.iter().chain(of_groups).any(takes_it) {
+        return;
+    }
+    let message = "no measurement takes this `guard`: none has limits and no `guard` of its own";
+    let help = "remove it, or measure what is to be accepted by its middle: a table of `measure` with `max`; a claim has no guard band";
+    out.warn(codes::GUARD_OF_NOTHING, entry.key_span.clone(), message, help);
 }
 
 /// How long the processor is taken before the system watchdogs act (controller:WD-00, WD-01).

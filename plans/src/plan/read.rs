@@ -313,6 +313,7 @@ fn read_joined(text: &PlanText, parameters: &[(String, String)], seed: u64) -> R
     let failed = out.has_errors();
     if let (false, Some(first)) = (failed, &first) {
         unspoken.report(&first.signals, &mut out);
+        super::check::guard_of_nothing(&document, &mut out);
     }
     let found = out.into_vec();
     let first = match first {

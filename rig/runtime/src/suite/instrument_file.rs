@@ -17,10 +17,13 @@ use crate::codes;
 use crate::suite::describe::sha256;
 use crate::suite::file_source::{FileSource, load};
 use capture::{ChannelErrors, InstrumentErrors, MAX_RATE_ERROR, ReadingError, TimebaseErrors};
-use document::{Codes, Data, Diagnostic, Fields, Findings, KeySpec, KeyType, Node, SourceFile, Table, toml};
+use document::{
+    Codes, Data, Diagnostic, Entry, Fields, Findings, KeySpec, KeyType, Node, SourceFile, Table, toml,
+};
 use drivers::file::accuracy::{self, AccuracyCodes, COVERAGE, OF_VALUE, PLUS};
 use record::{InstrumentRecord, InstrumentStatement};
 use signal::{Coverage, Quantity, Span, Unit};
+use std::ops::Range;
 
 /// The keys of an instrument file.
 pub const KEYS: &[KeySpec] = &[
@@ -119,6 +122,8 @@ pub struct InstrumentFile {
 pub struct InstrumentChannel {
     /// Its name in the capture.
     pub name: String,
+    /// Where the file names it.
+    pub place: Range<usize>,
     /// The unit of all its figures, as it is written; empty for none.
     pub unit: String,
     /// What its stamps may be off.
@@ -186,8 +191,8 @@ pub fn read(file: &SourceFile) -> Result<InstrumentFile, Vec<Diagnostic>> {
     }
     let clock = fields.inner("timebase");
     let timebase = clock.as_ref().map(|clock| timebase(clock, &mut out)).unwrap_or_default();
-    let coverage = clock.and_then(|clock| accuracy::coverage(&clock, FIGURES, &mut out)).unwrap_or_default();
     let entries = fields.get("channels").and_then(Node::as_table).map_or(&[][..], |table| &table.entries);
+    let coverage = clock.and_then(|clock| clock_coverage(&clock, entries, &mut out)).unwrap_or_default();
     if let Some(one) = entries.get(MOST_CHANNELS) {
         let message = format!("the file has {} channels", entries.len());
         let help = format!("leave {MOST_CHANNELS} at most: those that are mapped to signals");
@@ -196,7 +201,7 @@ pub fn read(file: &SourceFile) -> Result<InstrumentFile, Vec<Diagnostic>> {
     let mut channels = Vec::new();
     for entry in entries {
         let Some(table) = entry.node.as_table() else { continue };
-        channels.extend(channel(&entry.key, &Fields::checked(table, CHANNEL), &mut out));
+        channels.extend(channel(entry, &Fields::checked(table, CHANNEL), &mut out));
     }
     if out.has_errors() {
         return Err(out.into_vec());
@@ -221,6 +226,17 @@ fn timebase(fields: &Fields, out: &mut Findings) -> TimebaseErrors {
         resolution: span("resolution"),
         skew: span("skew"),
     }
+}
+
+/// What the figures of the clock cover, and with them those of the delays of channels. `None` where it is wrong, which is reported.
+fn clock_coverage(clock: &Fields, channels: &[Entry], out: &mut Findings) -> Option<Coverage> {
+    let has_delay =
+        |entry: &Entry| entry.node.as_table().is_some_and(|table| table.get("delay-error").is_some());
+    let is_stated = ["error", "offset-error", "resolution", "skew"].iter().any(|key| clock.has(key))
+        || channels.iter().any(has_delay);
+    let help = "write how far the clock may be off, as in error = \"25 ppm\" or resolution = \"10 ns\", or remove `coverage`";
+    accuracy::covers_something(clock, is_stated, help, FIGURES, out)?;
+    accuracy::coverage(clock, FIGURES, out)
 }
 
 /// A part of the time in parts of 10^12, rounded up.
@@ -269,7 +285,8 @@ fn moved(fields: &Fields, key: &str, out: &mut Findings) -> Span {
 }
 
 /// `None` where something is wrong with it, which is reported.
-fn channel(name: &str, fields: &Fields, out: &mut Findings) -> Option<InstrumentChannel> {
+fn channel(named: &Entry, fields: &Fields, out: &mut Findings) -> Option<InstrumentChannel> {
+    let name = &named.key;
     let unit = fields.text("unit").unwrap_or_default();
     let threshold = fields.get("threshold").map(|node| accuracy::quantity(node, unit, FIGURES, out));
     let hysteresis = fields.get("hysteresis").map(|node| accuracy::width(node, unit, FIGURES, out));
@@ -281,7 +298,8 @@ fn channel(name: &str, fields: &Fields, out: &mut Findings) -> Option<Instrument
     let delay = moved(fields, "delay", out);
     let stated = accuracy::accuracy(fields, unit, FIGURES, out)?;
     Some(InstrumentChannel {
-        name: name.to_owned(),
+        name: name.clone(),
+        place: named.key_span.clone(),
         unit: unit.to_owned(),
         errors: ChannelErrors { delay, delay_error: fields.duration("delay-error").unwrap_or_default() },
         threshold: threshold.map_or(Some(None), |read| read.map(Some))?,
@@ -377,6 +395,13 @@ mod tests {
     }
 
     #[test]
+    fn a_coverage_is_of_what_is_stated_with_0_too() {
+        good("[timebase]\nerror = \"0 ppm\"\ncoverage = \"95 %\"");
+        good("[timebase]\ncoverage = \"95 %\"\n[channels.CH1]\ndelay-error = \"1 ns\"");
+        good("[channels.CH1]\nunit = \"V\"\naccuracy = { plus = \"0 V\", coverage = \"95 %\" }");
+    }
+
+    #[test]
     fn what_no_instrument_has_is_refused() {
         for (text, code) in [
             ("[timebase", "R0210"),
@@ -400,6 +425,10 @@ mod tests {
             ("[channels.CH1]\naccuracy = { of-value = \"-1 %\" }", "R0212"),
             ("[channels.CH1]\naccuracy = { of-value = \"1 %\", coverage = \"100 %\" }", "R0212"),
             ("[channels.CH1]\naccuracy = { of-range = \"1 %\" }", "R0211"),
+            // An error that was forgotten: nothing would be known with this probability.
+            ("[timebase]\ncoverage = \"95 %\"", "R0212"),
+            ("[timebase]\noffset = \"1 us\"\ncoverage = \"95 %\"", "R0212"),
+            ("[channels.CH1]\naccuracy = { coverage = \"95 %\" }", "R0212"),
         ] {
             let found = read(&file(text)).expect_err(text);
             assert_eq!(found[0].code, code, "{text}: {found:?}");
