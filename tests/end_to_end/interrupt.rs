@@ -145,16 +145,21 @@ fn a_measurement_of_hours_shows_what_it_has() {
     assert_eq!(end(child), Some(130));
 }
 
-#[test]
-fn a_run_whose_words_nobody_reads_ends_all_the_same() {
+/// A bench with a plan whose lines are so long that two thousand of them are more than a pipe and the rig's own room take.
+fn bench_of_long_lines() -> (TestProject, String) {
     let bench = TestProject::new();
-    // Two thousand lines of two hundred characters are more than a pipe and the rig's own room take.
     let long = format!("{}.toml", "l".repeat(200));
     bench.write(
         &long,
         "format = 1\ntitle = \"Quick\"\nprogram = \"lamp.st\"\nends = \"start + 10 ms\"\nsignals = { lamp = \"%QX0.4\" }\n\
          expect = [{ stays = { signal = \"lamp\", is = false, from = \"start\", until = \"end\" } }]\n",
     );
+    (bench, long)
+}
+
+#[test]
+fn a_run_whose_words_nobody_reads_ends_all_the_same() {
+    let (bench, long) = bench_of_long_lines();
     for format in ["text", "json"] {
         let child = start(bench.command(&["test", &long, "--repeat", "2000", "--format", format]));
         wait_for_handler(&child, Signal::SIGINT);
@@ -195,4 +200,42 @@ fn reports_are_whole_whoever_reads_the_lines() {
     }
     assert_eq!(bench.json("out/record.json")["totals"]["passed"], 60);
     assert_eq!(bench.list("out"), crate::report::OUTPUTS);
+}
+
+#[test]
+fn a_run_whose_words_fill_one_pipe_of_both_streams_ends_within_seconds_of_an_interrupt() {
+    let (bench, long) = bench_of_long_lines();
+    let (_reader, output) = std::io::pipe().unwrap();
+    let errors = output.try_clone().unwrap();
+    let mut command = bench.command(&["test", &long, "--repeat", "10000", "--format", "json"]);
+    let child = command.stdout(output).stderr(errors).spawn().unwrap();
+    wait_for_handler(&child, Signal::SIGINT);
+    // By now it waits for the reader.
+    std::thread::sleep(Duration::from_secs(2));
+    let began = Instant::now();
+    interrupt(&child, Signal::SIGINT);
+    assert_eq!(end(child), Some(130));
+    let lasted = began.elapsed();
+    assert!(lasted < Duration::from_secs(10), "{lasted:?}");
+}
+
+#[test]
+fn a_run_whose_words_are_read_slowly_prints_all_of_them() {
+    let (bench, long) = bench_of_long_lines();
+    let (reader, output) = std::io::pipe().unwrap();
+    let errors = output.try_clone().unwrap();
+    let mut command = bench.command(&["test", &long, "--repeat", "4000", "--format", "json"]);
+    let child = command.stdout(output).stderr(errors).spawn().unwrap();
+    drop(command);
+    let mut lines = Vec::new();
+    for line in BufReader::new(reader).lines() {
+        if lines.len() % 400 == 0 {
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        lines.push(line.unwrap());
+    }
+    assert_eq!(end(child), Some(0));
+    let is_whole = |line: &&String| serde_json::from_str::<serde_json::Value>(line).is_ok();
+    assert_eq!(lines.iter().filter(is_whole).count(), lines.len());
+    assert!(lines.len() >= 4_000, "{}", lines.len());
 }

@@ -22,7 +22,7 @@ mod line_queue;
 mod new;
 mod operator;
 mod output;
-mod output_thread;
+mod output_queues;
 mod plan_files;
 mod plans;
 mod program;

@@ -2,8 +2,7 @@
 
 use crate::code_pages;
 use crate::exit::ExitStatus;
-use crate::line_queue::LineQueue;
-use crate::output_thread::{OutputThread, Stream};
+use crate::output_queues::{OutputQueues, Stream};
 use clap::ValueEnum;
 use control::RequestFault;
 use document::{Diagnostic, SourceFile};
@@ -13,7 +12,6 @@ use std::borrow::Cow;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
 
 /// Whether to colour text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -85,11 +83,8 @@ fn decide(choice: ColorChoice, terminal: bool, variable: &dyn Fn(&str) -> Option
     }
 }
 
-/// The queues of a command that no reader may hold up: standard output, standard error.
-static QUEUES: OnceLock<[LineQueue; 2]> = OnceLock::new();
-
-/// How long readers are waited for at the end of such a command, each.
-const SETTLE: Duration = Duration::from_secs(1);
+/// The queues of a command that prints through threads of their own.
+static QUEUES: OnceLock<OutputQueues> = OnceLock::new();
 
 /// From now on nothing that is printed waits for its reader, not even the words of a panic: what a pipe or terminal does not
 /// take in time is left out and counted. For a command that keeps outputs driven.
@@ -97,7 +92,8 @@ const SETTLE: Duration = Duration::from_secs(1);
 /// # Errors
 /// The machine has no room for two threads.
 pub fn never_wait() -> io::Result<()> {
-    let queues = [LineQueue::start("output", io::stdout())?, LineQueue::start("errors", io::stderr())?];
+    // A stream that is closed is no fault: what goes there is lost.
+    let queues = OutputQueues::start(None, |stream, text| drop(write_to(stream, text)), || {})?;
     // There is one command, and it asks once.
     let _ = QUEUES.set(queues);
     std::panic::set_hook(Box::new(|panic| {
@@ -111,9 +107,6 @@ pub fn never_wait() -> io::Result<()> {
     }));
     Ok(())
 }
-
-/// The thread of a command that prints everything, but whose reader is not to keep it from an interrupt.
-static THREAD: OnceLock<OutputThread> = OnceLock::new();
 
 /// Whether whoever read standard output has closed it.
 static UNREAD: AtomicBool = AtomicBool::new(false);
@@ -131,11 +124,11 @@ fn is_closed() -> bool {
     poll(&mut polled, Some(&at_once)).is_ok() && polled[0].revents().contains(PollFlags::ERR)
 }
 
-/// From now on a reader of what is printed is waited for until an interrupt, and no longer. A terminal is written to at
-/// once: an interrupt that is typed there empties it. With `ends_unread` a reader that closes its pipe is an interrupt.
+/// From now on a reader of what is printed is waited for until an interrupt, and for a second after it. A terminal is
+/// written to at once: an interrupt that is typed there empties it. With `ends_unread` a reader that closes its pipe is an interrupt.
 ///
 /// # Errors
-/// The machine has no room for a thread.
+/// The machine has no room for two threads.
 pub fn wait_until(interrupt: &'static AtomicBool, ends_unread: bool) -> io::Result<()> {
     let closed = move || {
         if ends_unread {
@@ -143,17 +136,15 @@ pub fn wait_until(interrupt: &'static AtomicBool, ends_unread: bool) -> io::Resu
             interrupt.store(true, Ordering::Relaxed);
         }
     };
-    let write = move |stream, text: &[u8]| match stream {
-        Stream::Output => {
-            let mut out = io::stdout();
-            let written = out.write_all(text).and_then(|()| out.flush());
+    let write = move |stream, text: &[u8]| {
+        let written = write_to(stream, text);
+        // Nothing can be reported of what standard error does not take.
+        if stream == Stream::Output {
             if matches!(&written, Err(error) if error.kind() == ErrorKind::BrokenPipe) {
                 closed();
             }
             keep_fault(written);
         }
-        // Nothing can be reported of what standard error does not take.
-        Stream::Errors => drop(io::stderr().write_all(text)),
     };
     // A case may print nothing for hours.
     let idle = move || {
@@ -161,28 +152,29 @@ pub fn wait_until(interrupt: &'static AtomicBool, ends_unread: bool) -> io::Resu
             closed();
         }
     };
-    let thread = OutputThread::start(interrupt, write, idle)?;
+    let queues = OutputQueues::start(Some(interrupt), write, idle)?;
     // There is one command, and it asks once.
-    let _ = THREAD.set(thread);
+    let _ = QUEUES.set(queues);
     Ok(())
 }
 
-/// The thread for a stream that is no terminal.
-fn thread_of(stream: Stream) -> Option<&'static OutputThread> {
-    let thread = THREAD.get()?;
-    let terminal = match stream {
+fn write_to(stream: Stream, text: &[u8]) -> io::Result<()> {
+    match stream {
+        Stream::Output => {
+            let mut out = io::stdout();
+            out.write_all(text).and_then(|()| out.flush())
+        }
+        Stream::Errors => io::stderr().write_all(text),
+    }
+}
+
+/// The queues, where a text for this stream goes through them.
+fn queues_of(stream: Stream) -> Option<&'static OutputQueues> {
+    let is_terminal = || match stream {
         Stream::Output => io::stdout().is_terminal(),
         Stream::Errors => io::stderr().is_terminal(),
     };
-    (!terminal).then_some(thread)
-}
-
-/// Waits until what was printed is read, where [`never_wait`] was called: for a second at most.
-pub fn settle() {
-    for queue in QUEUES.get().into_iter().flatten() {
-        // What is left then is nobody's any more.
-        let _ = queue.settle(SETTLE);
-    }
+    QUEUES.get().filter(|queues| !(queues.wait_for_readers() && is_terminal()))
 }
 
 /// Prints on standard error.
@@ -197,11 +189,8 @@ pub struct ErrorStream;
 
 impl Write for ErrorStream {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        match (QUEUES.get(), thread_of(Stream::Errors)) {
-            (Some([_, errors]), _) => errors.put(bytes),
-            (None, Some(thread)) => thread.put(Stream::Errors, bytes),
-            (None, None) => return io::stderr().write(bytes),
-        }
+        let Some(queues) = queues_of(Stream::Errors) else { return io::stderr().write(bytes) };
+        queues.put(Stream::Errors, bytes);
         Ok(bytes.len())
     }
 
@@ -261,10 +250,9 @@ pub fn info(text: &str) {
 /// Prints on standard output; a closed pipe is no fault. What cannot be written otherwise [`finish`] reports.
 pub fn print(text: &str) {
     let text = harmless(text);
-    match (QUEUES.get(), thread_of(Stream::Output)) {
-        (Some([output, _]), _) => output.put(text.as_bytes()),
-        (None, Some(thread)) => thread.put(Stream::Output, text.as_bytes()),
-        (None, None) => keep_fault(io::stdout().write_all(text.as_bytes())),
+    match queues_of(Stream::Output) {
+        Some(queues) => queues.put(Stream::Output, text.as_bytes()),
+        None => keep_fault(io::stdout().write_all(text.as_bytes())),
     }
 }
 
@@ -292,17 +280,15 @@ fn keep_fault(written: std::io::Result<()>) {
 /// How the command ends: with an error of its own where standard output did not take all that was printed, whatever it
 /// came to otherwise.
 pub fn finish(exit: ExitStatus) -> ExitStatus {
-    match THREAD.get() {
-        Some(thread) => thread.settle(),
-        // Where nothing waits for a reader, a thread may be at standard output for ever.
-        None if QUEUES.get().is_some() => {}
+    match QUEUES.get() {
+        Some(queues) => queues.settle(),
         None => keep_fault(io::stdout().flush()),
     }
     let Some(why) = LOST.get() else { return exit };
     let found = Diagnostic::error("R0232", format!("standard output cannot be written: {why}"));
     findings(&[found.help("make room, or write it elsewhere: what was printed is not whole")], &[]);
-    if let Some(thread) = THREAD.get() {
-        thread.settle();
+    if let Some(queues) = QUEUES.get() {
+        queues.settle();
     }
     match exit {
         ExitStatus::Interrupted | ExitStatus::Unread => exit,

@@ -82,12 +82,10 @@ pub fn run(args: &RunArgs) -> ExitStatus {
         return ExitStatus::Error;
     }
     let mut sources = Vec::new();
-    let exit = try_run(args, &mut sources).unwrap_or_else(|found| {
+    try_run(args, &mut sources).unwrap_or_else(|found| {
         output::findings(&found, &sources);
         ExitStatus::UserFiles
-    });
-    output::settle();
-    exit
+    })
 }
 
 fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<ExitStatus, Vec<Diagnostic>> {
