@@ -93,9 +93,12 @@ pub struct DeviceReset {
 /// Why a command was not obeyed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum CommandError {
-    /// Not possible in this state (controller:TR-24, controller:TR-28, controller:WD-14).
+    /// Not possible in this state (controller:TR-24, controller:TR-28).
     #[error("not possible in state {0}")]
     State(State),
+    /// HALT by an error inside the controller (controller:WD-14, controller:TR-13).
+    #[error("HALT by an error inside the controller ends only by a power cycle")]
+    NeedsPowerCycle,
     /// The Run/Stop switch is at Stop.
     #[error("the Run/Stop switch is at Stop")]
     SwitchAtStop,

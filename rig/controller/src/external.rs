@@ -1,7 +1,8 @@
-//! What goes wrong around the controller: external errors (controller:ERR-01), faults at the outputs, the supply of
-//! inputs and outputs. None of it changes the state by itself (controller:TR-23).
+//! What goes wrong around the controller and in it: external errors (controller:ERR-01), faults at the outputs, the supply
+//! of inputs and outputs, errors of its own. What goes wrong around it does not change the state by itself
+//! (controller:TR-23).
 
-/// Something that goes wrong in the world around the controller, or is over.
+/// Something that goes wrong in the world around the controller, or is over, or in the controller itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Disturbance {
     /// A short circuit at an output; it takes a current while the output is on.
@@ -27,6 +28,21 @@ pub enum Disturbance {
         /// TRUE when it begins, FALSE when it is over.
         on: bool,
     },
+    /// The controller itself is in error (controller:ERR-01, controller:WD-14).
+    InternalError(InternalError),
+}
+
+/// What goes wrong inside the controller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum InternalError {
+    /// The hardware's own watchdog expires and the application is halted: only a power cycle ends this HALT
+    /// (controller:WD-14).
+    HardwareWatchdog,
+    /// The firmware finds an error of its own and halts the application: only a power cycle ends this HALT
+    /// (controller:WD-14).
+    Firmware,
+    /// An exception of firmware or hardware that cannot be managed: a system error (controller:ERR-01, controller:TR-12).
+    FirmwareException,
 }
 
 /// The bits of PLC_R.i_lwSystemFault_1 that stand for something: TM3 (0 and 1), Ethernet IF1 and IF2, CAN 1, TM4, SD

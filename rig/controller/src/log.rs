@@ -1,6 +1,6 @@
 //! What the controller writes into its log (controller:NV-09). Keeping the entries is left to whoever takes the effects.
 
-use crate::{ApplicationFault, LoadError, Overload, State, Warning};
+use crate::{ApplicationFault, InternalError, LoadError, Overload, State, Warning};
 use profile::StopCause;
 use signal::Span;
 
@@ -51,6 +51,8 @@ pub enum LogEntry {
     Overload(Overload),
     /// More events than the controller takes (controller:WD-06).
     TooManyEvents,
+    /// The controller itself is in error (controller:ERR-01, controller:WD-14).
+    InternalError(InternalError),
     /// Something in the configuration is accepted with a warning.
     Warning(Warning),
     /// The application failed.

@@ -11,6 +11,8 @@ pub(crate) struct Power {
     pub stage: Option<(usize, Time)>,
     /// The boot was provoked by a system error.
     pub system_error: bool,
+    /// HALT that only a power cycle ends (controller:WD-14).
+    pub needs_power_cycle: bool,
     /// The boot was commanded by a script.
     pub script: bool,
     /// The firmware in non-volatile memory is valid.
@@ -32,6 +34,7 @@ impl Power {
             hold_up: None,
             stage: None,
             system_error: false,
+            needs_power_cycle: false,
             script: false,
             firmware: true,
             creating: None,

@@ -1,4 +1,4 @@
-//! What goes wrong around the controller. None of it changes the state by itself (controller:TR-23).
+//! What goes wrong around the controller, which does not change the state by itself (controller:TR-23), and in it.
 
 use super::Controller;
 use crate::module::IoModule;
@@ -8,7 +8,7 @@ use profile::IoStatus;
 use signal::{Cause, Time};
 
 impl Controller {
-    /// Something in the world around the controller goes wrong at `now`, or is over. Outputs that the reference does
+    /// Something in the world around the controller or in it goes wrong at `now`, or is over. Outputs that the reference does
     /// not have and bits that are reserved have no effect.
     pub fn disturb(&mut self, now: Time, disturbance: Disturbance, fx: &mut Effects) {
         self.scheduler.idle_until(now);
@@ -17,6 +17,7 @@ impl Controller {
             Disturbance::OverTemperature { output, on } => self.io.over_temperature(output, on),
             Disturbance::IoSupply(on) => self.io.supply(on),
             Disturbance::ExternalError { bit, on } => self.external.set(bit, on),
+            Disturbance::InternalError(error) => self.fail(now, error, fx),
         }
         self.protect(now, fx);
         self.observe(class::STATE | class::TERMINAL, now, Cause::Board, fx);

@@ -9,6 +9,7 @@ mod files;
 mod forcing;
 mod front_panel;
 mod functions;
+mod internal_error;
 mod leds;
 mod observe;
 mod online_change;

@@ -67,6 +67,7 @@ impl Controller {
         self.system.boot_project = BootProjectStatus::None;
         self.system.events = 0;
         self.power.stage = Some((0, now.saturating_add(BOOT_STAGES[0])));
+        self.power.needs_power_cycle = false;
         self.enter(State::Booting, now, fx);
     }
 
@@ -193,9 +194,14 @@ impl Controller {
 
     /// RUNNING -> HALT (controller:TR-10): the fallback is applied at once.
     pub(super) fn enter_halt(&mut self, now: Time, error: ApplicationError, fx: &mut Effects) {
-        self.system.stop_cause = StopCause::Exception;
+        self.halt(now, StopCause::Exception, error, fx);
+    }
+
+    /// RUNNING -> HALT for this cause.
+    pub(super) fn halt(&mut self, now: Time, cause: StopCause, error: ApplicationError, fx: &mut Effects) {
+        self.system.stop_cause = cause;
         self.system.error = error;
-        self.log_entry(now, LogEntry::Stopped(StopCause::Exception), fx);
+        self.log_entry(now, LogEntry::Stopped(cause), fx);
         let outputs = match self.config.halt_outputs {
             HaltOutputs::Configured => self.config.outputs_in_stop,
             HaltOutputs::Default => OutputsInStop::Default,

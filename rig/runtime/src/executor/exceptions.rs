@@ -48,7 +48,8 @@ impl ExceptionWatch {
             | LogEntry::SystemWatchdog
             | LogEntry::Starved { .. }
             | LogEntry::Overload(_)
-            | LogEntry::TooManyEvents => self.cause = Some(*entry),
+            | LogEntry::TooManyEvents
+            | LogEntry::InternalError(_) => self.cause = Some(*entry),
             LogEntry::Stopped(cause) => {
                 self.stopped = matches!(cause, StopCause::Exception | StopCause::HardwareWatchdog);
             }

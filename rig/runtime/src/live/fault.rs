@@ -93,6 +93,7 @@ const fn fix(refusal: CommandError) -> &'static str {
         CommandError::State(State::Booting) => "wait until it has booted",
         CommandError::State(State::Empty) => "it has no application any more: start the rig again",
         CommandError::State(State::Halt) => "reset it first",
+        CommandError::NeedsPowerCycle => "switch its supply off and on",
         CommandError::SwitchAtStop => "move the Run/Stop switch to Run first",
         CommandError::RunStopInput => "give the Run/Stop input a 1 first",
         CommandError::Stopping => "wait until the cycle under way has ended",

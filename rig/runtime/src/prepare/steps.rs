@@ -8,7 +8,7 @@ use crate::application::catalogue::Catalogue;
 use crate::codes;
 use crate::schedule::{Act, AwaitedChange, Expected, FileAction, PlannedStep, Timing};
 use crate::subject::SubjectExt;
-use controller::{Command, DeviceReset, Disturbance, FAULT_BITS, FileUser};
+use controller::{Command, DeviceReset, Disturbance, FAULT_BITS, FileUser, InternalError};
 use document::Findings;
 use drivers::{BoardExt, Fault};
 use plans::lang::Literal;
@@ -264,7 +264,7 @@ fn disturbance(
     step: &PlanStep,
     out: &mut Findings,
 ) -> Option<Disturbance> {
-    use plans::steps::DisturbanceKind;
+    use plans::steps::{DisturbanceKind, InternalErrorKind};
     let mut output = |address: Address| match IoChannel::at(address, bench.reference) {
         Some(IoChannel::Output(output)) => Some(output),
         _ => {
@@ -280,6 +280,11 @@ fn disturbance(
         }
         DisturbanceKind::NoIoSupply => Disturbance::IoSupply(!on),
         DisturbanceKind::External(bit) if FAULT_BITS.contains(&bit) => Disturbance::ExternalError { bit, on },
+        DisturbanceKind::Internal(kind) => Disturbance::InternalError(match kind {
+            InternalErrorKind::HardwareWatchdog => InternalError::HardwareWatchdog,
+            InternalErrorKind::Firmware => InternalError::Firmware,
+            InternalErrorKind::FirmwareException => InternalError::FirmwareException,
+        }),
         DisturbanceKind::External(bit) => {
             let bits: Vec<String> = FAULT_BITS.iter().map(u8::to_string).collect();
             let help = format!("the others are {}", bits.join(", "));

@@ -1,7 +1,7 @@
 //! The controller's log in words.
 
 use crate::application::catalogue::Catalogue;
-use controller::{FaultClass, LogEntry, Overload};
+use controller::{FaultClass, InternalError, LogEntry, Overload};
 
 /// A log entry with the names of tasks, functions and sources, as far as they are known.
 pub fn show(entry: &LogEntry, names: Option<&Catalogue>) -> String {
@@ -34,6 +34,15 @@ pub fn show(entry: &LogEntry, names: Option<&Catalogue>) -> String {
         }
         // The text of the documents (controller:TASK-31).
         LogEntry::TooManyEvents => String::from("ISR Count Exceeded"),
+        LogEntry::InternalError(InternalError::HardwareWatchdog) => {
+            String::from("internal error: hardware watchdog")
+        }
+        LogEntry::InternalError(InternalError::Firmware) => {
+            String::from("internal error: error of the firmware")
+        }
+        LogEntry::InternalError(InternalError::FirmwareException) => {
+            String::from("internal error: exception of the firmware")
+        }
         LogEntry::Warning(warning) => warning.show(known),
         LogEntry::Fault { task: place, fault } => {
             let class = match fault.class {

@@ -296,6 +296,7 @@ pub fn what(stimulus: &Stimulus) -> String {
                 DisturbanceKind::OverTemperature(output) => format!("over-temperature at {output}"),
                 DisturbanceKind::NoIoSupply => String::from("no supply of inputs and outputs"),
                 DisturbanceKind::External(bit) => format!("external error {bit}"),
+                DisturbanceKind::Internal(kind) => format!("internal error: {}", kind.name()),
             };
             match (on, lasts) {
                 (true, Some(lasts)) => format!("{what} for {lasts}"),

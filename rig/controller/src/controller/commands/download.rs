@@ -17,6 +17,7 @@ impl Controller {
         now: Time,
         fx: &mut Effects,
     ) -> Result<(), CommandError> {
+        self.check_recoverable()?;
         let runs = matches!(self.state, State::Running | State::Breakpoint);
         if !runs && !matches!(self.state, State::Stopped | State::Halt | State::Empty) {
             return Err(CommandError::State(self.state));
@@ -35,6 +36,7 @@ impl Controller {
         now: Time,
         fx: &mut Effects,
     ) -> Result<(), CommandError> {
+        self.check_recoverable()?;
         let halt = self.state == State::Halt && self.config.reference.family == Family::M241;
         if !halt && !matches!(self.state, State::Running | State::Breakpoint | State::Stopped | State::Empty)
         {

@@ -17,6 +17,7 @@ impl Controller {
         now: Time,
         fx: &mut Effects,
     ) -> Result<(), CommandError> {
+        self.check_recoverable()?;
         self.erase_application(now)?;
         let profile = self.config.profile;
         // All files of the user (controller:RO-02). The documents of the M241 name neither user rights nor certificates
@@ -55,6 +56,7 @@ impl Controller {
         if self.config.reference.family != Family::M251 {
             return Err(CommandError::NoSuchCommand);
         }
+        self.check_recoverable()?;
         if reset.plc_logic {
             self.erase_application(now)?;
             // Recipes, data logs and the logs of the system stay (controller:ROD-03, controller:ROD-04).

@@ -14,6 +14,7 @@ impl Controller {
         now: Time,
         fx: &mut Effects,
     ) -> Result<(), CommandError> {
+        self.check_recoverable()?;
         if matches!(self.state, State::Off | State::Booting) {
             return Err(CommandError::State(self.state));
         }

@@ -16,6 +16,7 @@ impl Controller {
         now: Time,
         fx: &mut Effects,
     ) -> Result<(), CommandError> {
+        self.check_recoverable()?;
         if !matches!(self.state, State::Running | State::Breakpoint | State::Stopped | State::Halt) {
             return Err(CommandError::State(self.state));
         }
