@@ -1,10 +1,11 @@
-//! `short-circuit`, `over-temperature`, `supply-io` and `external-error`: what goes wrong around the controller.
+//! `short-circuit`, `over-temperature`, `supply-io` and `external-error`: what goes wrong around the controller;
+//! `internal-error`: what goes wrong in it.
 
 use document::{Findings, KeySpec, KeyType, Node};
 use signal::{Address, Area, Span};
 
 use super::drive::above_zero;
-use super::{DisturbanceKind, StepVerb, Stimulus};
+use super::{DisturbanceKind, InternalErrorKind, StepVerb, Stimulus};
 use super::{StepNames, table_fields};
 use crate::lang::terminal;
 
@@ -57,6 +58,23 @@ pub(super) const EXTERNAL_ERROR: StepVerb = StepVerb {
     value: KeyType::Table(ERROR_KEYS),
     needs: &["faults"],
     read: read_external,
+};
+
+const INTERNAL_ERRORS: [&str; 3] = [
+    InternalErrorKind::HardwareWatchdog.name(),
+    InternalErrorKind::Firmware.name(),
+    InternalErrorKind::FirmwareException.name(),
+];
+
+pub(super) const INTERNAL_ERROR: StepVerb = StepVerb {
+    name: "internal-error",
+    doc: "Puts the controller itself in error: its hardware watchdog expires, its firmware finds an error or has an exception.",
+    value: KeyType::Choice(&INTERNAL_ERRORS),
+    needs: &["faults"],
+    read: |node, _, _| {
+        let kind = InternalErrorKind::ALL.into_iter().find(|kind| node.as_text() == Some(kind.name()))?;
+        Some(Stimulus::Disturb { what: DisturbanceKind::Internal(kind), on: true, lasts: None })
+    },
 };
 
 /// An output and for how long something is wrong with it.

@@ -91,6 +91,7 @@ pub static VERBS: &[StepVerb] = &[
     file::FILE,
     application::FIRMWARE,
     drive::FORCE,
+    disturb::INTERNAL_ERROR,
     control::MARK,
     application::MULTIPLE_DOWNLOAD,
     wave::NOISE,
@@ -152,7 +153,7 @@ pub enum PlanCommand {
     IdentifyOff,
 }
 
-/// What goes wrong around the controller.
+/// What goes wrong around the controller or in it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DisturbanceKind {
     /// A short circuit at an output.
@@ -163,6 +164,37 @@ pub enum DisturbanceKind {
     NoIoSupply,
     /// A part outside of the controller is in error: its bit of PLC_R.i_lwSystemFault_1.
     External(u8),
+    /// The controller itself is in error.
+    Internal(InternalErrorKind),
+}
+
+/// What goes wrong inside the controller (controller:ERR-01, controller:WD-14).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InternalErrorKind {
+    /// The hardware's watchdog expires: HALT that only a power cycle ends.
+    HardwareWatchdog,
+    /// An error of the firmware: HALT that only a power cycle ends.
+    Firmware,
+    /// An exception of firmware or hardware that cannot be managed: a system error.
+    FirmwareException,
+}
+
+impl InternalErrorKind {
+    /// Every kind.
+    pub const ALL: [InternalErrorKind; 3] = [
+        InternalErrorKind::HardwareWatchdog,
+        InternalErrorKind::Firmware,
+        InternalErrorKind::FirmwareException,
+    ];
+
+    /// Its name in a plan.
+    pub const fn name(self) -> &'static str {
+        match self {
+            InternalErrorKind::HardwareWatchdog => "hardware-watchdog",
+            InternalErrorKind::Firmware => "firmware",
+            InternalErrorKind::FirmwareException => "firmware-exception",
+        }
+    }
 }
 
 /// What is done to a file.
@@ -376,6 +408,7 @@ impl Stimulus {
             Stimulus::Disturb { what: DisturbanceKind::OverTemperature(_), .. } => "over-temperature",
             Stimulus::Disturb { what: DisturbanceKind::NoIoSupply, .. } => "supply-io",
             Stimulus::Disturb { what: DisturbanceKind::External(_), .. } => "external-error",
+            Stimulus::Disturb { what: DisturbanceKind::Internal(_), .. } => "internal-error",
             Stimulus::Train(_) => "train",
             Stimulus::Wave(wave) => wave.verb(),
             Stimulus::Encoder(_) => "encoder",
