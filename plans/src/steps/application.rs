@@ -14,6 +14,15 @@ const PROGRAM: KeySpec = KeySpec::optional(
 
 const PROGRAM_KEYS: &[KeySpec] = &[PROGRAM];
 
+const DOWNLOAD_KEYS: &[KeySpec] = &[
+    PROGRAM,
+    KeySpec::optional(
+        "create-boot-application",
+        KeyType::Bool,
+        "Save it as the boot application too; TRUE if left out.",
+    ),
+];
+
 const MULTIPLE_KEYS: &[KeySpec] = &[
     PROGRAM,
     KeySpec::optional(
@@ -32,9 +41,9 @@ const DEVICE_KEYS: &[KeySpec] = &[
 pub(super) const DOWNLOAD: StepVerb = StepVerb {
     name: "download",
     doc: "Downloads an application.",
-    value: KeyType::Table(PROGRAM_KEYS),
+    value: KeyType::Table(DOWNLOAD_KEYS),
     needs: &["download"],
-    read: |node, _, _| Some(Stimulus::Download(program(node)?)),
+    read: read_download,
 };
 
 pub(super) const MULTIPLE_DOWNLOAD: StepVerb = StepVerb {
@@ -75,6 +84,11 @@ fn program(node: &Node) -> Option<Option<ProgramRef>> {
     let files: Vec<String> =
         fields.each("program").iter().filter_map(Node::as_text).map(str::to_owned).collect();
     Some((!files.is_empty()).then_some(ProgramRef::Files(files)))
+}
+
+fn read_download(node: &Node, _: &dyn StepNames, _: &mut Findings) -> Option<Stimulus> {
+    let boot = table_fields(node, DOWNLOAD_KEYS)?.boolean("create-boot-application").unwrap_or(true);
+    Some(Stimulus::Download { program: program(node)?, boot })
 }
 
 fn read_multiple(node: &Node, _: &dyn StepNames, _: &mut Findings) -> Option<Stimulus> {

@@ -271,8 +271,13 @@ pub enum Stimulus {
     Command(PlanCommand),
     /// Moves the Run/Stop switch: TRUE to Run.
     Switch(bool),
-    /// Downloads an application; `None`: the case's own program again.
-    Download(Option<ProgramRef>),
+    /// Downloads an application.
+    Download {
+        /// `None`: the case's own program again.
+        program: Option<ProgramRef>,
+        /// Whether it becomes the boot application too (controller:STATE-12).
+        boot: bool,
+    },
     /// Damages the firmware (FALSE), or restores it from an SD card.
     Firmware(bool),
     /// Downloads an application as one of several.
@@ -392,7 +397,7 @@ impl Stimulus {
             Stimulus::Write { .. } => "write",
             Stimulus::Command(_) => "command",
             Stimulus::Switch(_) => "switch",
-            Stimulus::Download(_) => "download",
+            Stimulus::Download { .. } => "download",
             Stimulus::Firmware(_) => "firmware",
             Stimulus::MultipleDownload { .. } => "multiple-download",
             Stimulus::PlaceBootApplication(_) => "place-boot-application",
@@ -436,7 +441,7 @@ impl Stimulus {
         matches!(
             self,
             Stimulus::Command(_)
-                | Stimulus::Download(_)
+                | Stimulus::Download { .. }
                 | Stimulus::File { .. }
                 | Stimulus::Firmware(_)
                 | Stimulus::Force { .. }
@@ -484,7 +489,7 @@ impl Stimulus {
     /// The program that it brings to the controller, where that is not the case's own.
     pub fn program(&self) -> Option<&ProgramRef> {
         match self {
-            Stimulus::Download(program)
+            Stimulus::Download { program, .. }
             | Stimulus::MultipleDownload { program, .. }
             | Stimulus::PlaceBootApplication(program) => program.as_ref(),
             Stimulus::OnlineChange(program) => Some(program),

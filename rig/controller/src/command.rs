@@ -24,6 +24,8 @@ pub enum Command {
     Reboot,
     /// Load an application and make it the boot application (controller:DL-02).
     Download(Vec<u8>),
+    /// Load an application and leave the boot application as it is (controller:NV-02, controller:STATE-12).
+    DownloadToMemory(Vec<u8>),
     /// Load an application as one of several that are downloaded together (controller:TR-19, controller:TR-20).
     MultipleDownload {
         /// The application.

@@ -145,9 +145,10 @@ pub(super) fn plan_step(
             vec![(Span::ZERO, Act::Command(command, expected(step)))]
         }
         Stimulus::Switch(run) => vec![(Span::ZERO, Act::Command(Command::Switch(*run), Expected::Obeyed))],
-        Stimulus::Download(program) => {
+        Stimulus::Download { program, boot } => {
             let bundle = bundle(program.as_ref(), step, bench, out)?;
-            vec![(Span::ZERO, Act::Command(Command::Download(bundle), expected(step)))]
+            let command = if *boot { Command::Download(bundle) } else { Command::DownloadToMemory(bundle) };
+            vec![(Span::ZERO, Act::Command(command, expected(step)))]
         }
         Stimulus::OnlineChange(program) => {
             let bundle = bundle(Some(program), step, bench, out)?;

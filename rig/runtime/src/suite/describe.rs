@@ -242,8 +242,11 @@ pub fn what(stimulus: &Stimulus) -> String {
         Stimulus::Switch(run) => {
             format!("Run/Stop switch to {}", if *run { "Run" } else { "Stop" })
         }
-        Stimulus::Download(None) => String::from("download the application"),
-        Stimulus::Download(Some(program)) => format!("download {}", program_name(program)),
+        Stimulus::Download { program, boot } => {
+            let name = program.as_ref().map_or_else(|| String::from("the application"), program_name);
+            let boot = if *boot { "" } else { " and leave the boot application" };
+            format!("download {name}{boot}")
+        }
         Stimulus::OnlineChange(program) => format!("online change to {}", program_name(program)),
         Stimulus::Breakpoint { line, file: None } => format!("breakpoint in line {line}"),
         Stimulus::Breakpoint { line, file: Some(file) } => format!("breakpoint in line {line} of {file}"),

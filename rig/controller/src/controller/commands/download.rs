@@ -10,10 +10,12 @@ use signal::Time;
 
 impl Controller {
     /// Download (controller:DL-02, controller:TR-16): RETAIN variables and other data start again, persistent ones that
-    /// both applications have and %MW0...%MW999 are kept.
+    /// both applications have and %MW0...%MW999 are kept. With `boot` it becomes the boot application too
+    /// (controller:STATE-12).
     pub(in crate::controller) fn command_download(
         &mut self,
         bundle: &[u8],
+        boot: bool,
         now: Time,
         fx: &mut Effects,
     ) -> Result<(), CommandError> {
@@ -22,7 +24,7 @@ impl Controller {
         if !runs && !matches!(self.state, State::Stopped | State::Halt | State::Empty) {
             return Err(CommandError::State(self.state));
         }
-        self.replace(bundle, true, now, fx)?;
+        self.replace(bundle, boot, now, fx)?;
         self.initial_outputs(ApplicationStart::Download, State::Stopped, now, fx);
         self.rest(State::Stopped, now, fx);
         Ok(())

@@ -29,7 +29,8 @@ impl Controller {
             Command::ResetOrigin => self.command_reset_origin(now, fx),
             Command::ResetOriginDevice(reset) => self.command_reset_origin_device(reset, now, fx),
             Command::Reboot => self.command_reboot(now, fx),
-            Command::Download(bundle) => self.command_download(&bundle, now, fx),
+            Command::Download(bundle) => self.command_download(&bundle, true, now, fx),
+            Command::DownloadToMemory(bundle) => self.command_download(&bundle, false, now, fx),
             Command::MultipleDownload { bundle, start } => {
                 self.command_multiple_download(&bundle, start, now, fx)
             }
