@@ -164,6 +164,34 @@ pub enum IoStatus {
     BusError = 0x0005,
 }
 
+/// State of an expansion module, TM3_MODULE_R[i].i_wModuleState (io:DIAG-03, plcsystem: 9.17). There is no 04.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u16)]
+pub enum ModuleState {
+    /// TM3_EMPTY: no module is configured at this index.
+    Empty = 0x00,
+    /// TM3_CONF_ERROR: another module than the configured one answers.
+    ConfigurationError = 0x01,
+    /// TM3_BUS_ERROR: the module does not communicate.
+    BusError = 0x02,
+    /// TM3_OK: the last exchange was successful.
+    Ok = 0x03,
+    /// TM3_MISSING_OPT_MOD: the module is optional and is not there.
+    MissingOptional = 0x05,
+}
+
+/// State of the expansion bus, PLC_R.i_uiTM3BusState (io:DIAG-03, plcsystem: 9.8).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u16)]
+pub enum Tm3BusState {
+    /// TM3_CONF_ERROR: what is fitted is not what is configured.
+    ConfigurationError = 1,
+    /// TM3_OK: what is fitted is what is configured.
+    Ok = 3,
+    /// TM3_POWER_SUPPLY_ERROR: the bus has no power.
+    PowerSupplyError = 4,
+}
+
 /// The number behind each code.
 macro_rules! codes {
     ($($name:ident),*) => {$(
@@ -176,4 +204,4 @@ macro_rules! codes {
     )*};
 }
 
-codes!(PlcStatus, BootProjectStatus, StopCause, ApplicationError, IoStatus);
+codes!(PlcStatus, BootProjectStatus, StopCause, ApplicationError, IoStatus, ModuleState, Tm3BusState);

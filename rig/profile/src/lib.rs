@@ -12,6 +12,7 @@ mod figures;
 mod input;
 mod io_channel;
 mod limits;
+mod module;
 mod port;
 mod reference;
 mod system;
@@ -22,7 +23,10 @@ pub use channel::{
     rearming_command, short_circuit_status,
 };
 pub use channel_set::{ChannelNumbers, ChannelSet};
-pub use codes::{ApplicationError, BootProjectStatus, IoStatus, PLC_W_KEY, PlcCommand, PlcStatus, StopCause};
+pub use codes::{
+    ApplicationError, BootProjectStatus, IoStatus, ModuleState, PLC_W_KEY, PlcCommand, PlcStatus, StopCause,
+    Tm3BusState,
+};
 pub use expert::{
     ExpertLimits, FAST_INPUTS, FAST_OUTPUTS, GENERATOR_TENTHS, PWM_TENTHS, REGULAR_OUTPUT_TENTHS,
 };
@@ -38,6 +42,10 @@ pub use io_channel::IoChannel;
 pub use limits::{
     APPLICATION_BYTES, BounceFilter, DEFAULT_PRIORITY, FOREGROUND_PRIORITIES, IMAGE_BITS, InputFilter,
     MEMORY_WORDS, PRIORITIES, REMANENT_BYTES, REMANENT_WORDS, TaskLimits,
+};
+pub use module::{
+    AnalogueChannels, AnalogueMode, Conversion, DigitalInputs, DigitalOutputKind, DigitalOutputs,
+    FigureSource, ModuleFamily, ModuleKind, ModuleType, SafetyFunction,
 };
 pub use port::{Port, PortKind, SerialMedia};
 pub use reference::{Family, REFERENCES, Reference, RegularOutputs};
