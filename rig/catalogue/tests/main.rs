@@ -1,0 +1,4 @@
+//! The catalogue against the tables of the documents.
+
+mod ids;
+mod pages;
