@@ -44,8 +44,9 @@ pub use limits::{
     MEMORY_WORDS, PRIORITIES, REMANENT_BYTES, REMANENT_WORDS, TaskLimits,
 };
 pub use module::{
-    AnalogueChannels, AnalogueMode, Conversion, DigitalInputs, DigitalOutputKind, DigitalOutputs,
-    FigureSource, ModuleFamily, ModuleKind, ModuleType, SafetyFunction,
+    AnalogueChannels, AnalogueMode, ChannelAddresses, ConfiguredModule, Conversion, DigitalInputs,
+    DigitalOutputKind, DigitalOutputs, FigureSource, ImageFull, ModuleAddresses, ModuleFamily, ModuleKind,
+    ModuleType, SafetyFunction,
 };
 pub use port::{Port, PortKind, SerialMedia};
 pub use reference::{Family, REFERENCES, Reference, RegularOutputs};

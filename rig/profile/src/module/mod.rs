@@ -3,10 +3,14 @@
 //! The figures themselves stand in the pages of the crate `catalogue`; here is what a figure is.
 
 mod analogue;
+mod configured;
 mod digital;
+mod layout;
 
 pub use analogue::{AnalogueChannels, AnalogueMode, Conversion};
+pub use configured::ConfiguredModule;
 pub use digital::{DigitalInputs, DigitalOutputKind, DigitalOutputs};
+pub use layout::{ChannelAddresses, ImageFull, ModuleAddresses};
 
 use crate::Profile;
 
