@@ -1,5 +1,6 @@
 //! The catalogue against the tables of the documents.
 
+mod composition;
 mod ids;
 mod layout;
 mod pages;

@@ -44,9 +44,10 @@ pub use limits::{
     MEMORY_WORDS, PRIORITIES, REMANENT_BYTES, REMANENT_WORDS, TaskLimits,
 };
 pub use module::{
-    AnalogueChannels, AnalogueMode, ChannelAddresses, ConfiguredModule, Conversion, DigitalInputs,
-    DigitalOutputKind, DigitalOutputs, FigureSource, ImageFull, ModuleAddresses, ModuleFamily, ModuleKind,
-    ModuleType, SafetyFunction,
+    AnalogueChannels, AnalogueMode, ChannelAddresses, CompositionError, CompositionFault, ConfiguredModule,
+    Conversion, DigitalInputs, DigitalOutputKind, DigitalOutputs, FigureSource, ImageFull, LOCAL_MODULES,
+    MODULE_INDICES, ModuleAddresses, ModuleChain, ModuleFamily, ModuleKind, ModuleType, REMOTE_MODULES,
+    SafetyFunction, TM4_MODULES, check_modules, module_indices,
 };
 pub use port::{Port, PortKind, SerialMedia};
 pub use reference::{Family, REFERENCES, Reference, RegularOutputs};

@@ -3,11 +3,16 @@
 //! The figures themselves stand in the pages of the crate `catalogue`; here is what a figure is.
 
 mod analogue;
+mod composition;
 mod configured;
 mod digital;
 mod layout;
 
 pub use analogue::{AnalogueChannels, AnalogueMode, Conversion};
+pub use composition::{
+    CompositionError, CompositionFault, LOCAL_MODULES, MODULE_INDICES, ModuleChain, REMOTE_MODULES,
+    TM4_MODULES, check_modules, module_indices,
+};
 pub use configured::ConfiguredModule;
 pub use digital::{DigitalInputs, DigitalOutputKind, DigitalOutputs};
 pub use layout::{ChannelAddresses, ImageFull, ModuleAddresses};
