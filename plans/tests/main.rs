@@ -8,6 +8,7 @@ mod global_checks;
 mod goldens;
 mod limits;
 mod oracle;
+mod oracle_clock;
 mod oracle_courses;
 mod oracle_ends;
 mod oracle_trains;

@@ -31,7 +31,7 @@ impl PlanNames for Anything {
     }
 }
 
-fn claim(text: &str) -> (&'static str, Arc<dyn TraceClaim>) {
+pub(crate) fn claim(text: &str) -> (&'static str, Arc<dyn TraceClaim>) {
     let source = SourceFile::new("claim", format!("it = {text}"));
     let mut out = Findings::new(&source, TOML);
     let table = document::toml::parse(&source, TOML).expect("TOML");

@@ -9,7 +9,7 @@ use super::ReadContext;
 use super::condition::ValueCondition;
 use crate::codes;
 use crate::lang::Literal;
-use crate::monitor::{Extent, Number, NumberLimits, ValueTest, distance};
+use crate::monitor::{ClockLimits, Extent, Number, NumberLimits, ValueTest, distance};
 
 /// The limits of a figure as a range.
 pub(super) const IS_RANGE: KeySpec = KeySpec::optional(
@@ -93,6 +93,14 @@ impl FigureBand {
     /// The same for a figure that is never outside of these.
     pub(super) fn of_kind(self, natural: NumberLimits) -> FigureBand {
         FigureBand { natural, ..self }
+    }
+
+    /// The same of a time, or of what comes in a time, by a clock that may be off; `more` is what else that makes of it.
+    pub(super) fn by_clock(self, clock: ClockLimits, more: Number) -> FigureBand {
+        if clock.error.is_none() {
+            return self;
+        }
+        FigureBand { limits: clock.figures(self.limits, more), ..self }
     }
 
     /// Whether a figure of this extent can be inside, and whether it can be outside.

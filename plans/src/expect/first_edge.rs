@@ -203,7 +203,7 @@ impl TraceClaim for FirstEdgeClaim {
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let point = scene.point(&self.from)?;
-        let limits = self.within.unwrap_or((0, i64::MAX));
+        let limits = scene.clock.spans(self.within.unwrap_or((0, i64::MAX)));
         let edge = self.kind.bind(info).map_err(NotJudged::NoMeaning)?;
         Ok(Box::new(FirstEdgeMonitor {
             claim: self.clone(),

@@ -144,8 +144,8 @@ impl TraceClaim for FramesClaim {
         Ok(Box::new(FramesMonitor {
             finder: EdgeFinder::new(CountedEdge::Rises, slack(info)),
             counter: EdgeCounter::new(window),
-            chain: self.cycle.map(|cycle| FigureChain::new(window, cycle)),
-            gaps: self.gap.map(|gap| Gaps::new(window, gap)),
+            chain: self.cycle.map(|cycle| FigureChain::new(window, scene.clock.spans(cycle))),
+            gaps: self.gap.map(|gap| Gaps::new(window, scene.clock.most(gap))),
             claim: self.clone(),
             info: info.clone(),
             window,

@@ -107,7 +107,7 @@ impl TraceClaim for HappensClaim {
             Some(from) => scene.point(from)?,
             None => UncertainInstant { a: i64::MIN, b: i64::MIN, place: 0, base: u32::MAX, offset: 0 },
         };
-        let limits = self.within.unwrap_or((0, i64::MAX));
+        let limits = scene.clock.spans(self.within.unwrap_or((0, i64::MAX)));
         Ok(Box::new(HappensMonitor { claim: self.clone(), from, limits, came: None, open: false }))
     }
 }

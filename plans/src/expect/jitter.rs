@@ -188,8 +188,15 @@ impl TraceClaim for JitterClaim {
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let window = scene.window(&self.between.from, &self.between.until)?;
+        // Against a grid of true time the edges of a clock that is off wander as long as the window lasts.
+        let longest = Span::from_nanos(window.until.b.saturating_sub(window.from.a));
+        let wander = match self.asked.grid {
+            Some(_) => scene.clock.error.of(longest).as_nanos(),
+            None => 0,
+        };
+        let band = self.band.clone().by_clock(scene.clock, Number::Int(i128::from(wander)));
         Ok(Box::new(JitterMonitor {
-            claim: self.clone(),
+            claim: JitterClaim { band, ..self.clone() },
             info: info.clone(),
             window,
             jitter: Jitter::new(self.asked, self.edge.clone(), window, slack(info)),

@@ -19,7 +19,8 @@ use crate::codes;
 use crate::lang::Anchor;
 use crate::monitor::segments::{Breach, SegmentJudgement, SegmentResult, Weight};
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, Truth, ValueTest, slack,
+    CaseTimeline, ClockLimits, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, Truth,
+    ValueTest, slack,
 };
 
 /// `stays`.
@@ -154,7 +155,7 @@ impl Keeps {
         let watched = vec![KeptSignal { test, slack: slack(info), info: info.clone() }];
         let open = scene.is_open(&self.between.until);
         let common = Common {
-            claim: self.clone(),
+            claim: self.by_clock(scene.clock),
             watched,
             segments,
             open,
@@ -163,6 +164,12 @@ impl Keeps {
             weighs: true,
         };
         Ok(Box::new(SingleSignalMonitor::new(common)))
+    }
+
+    /// The claim with its limits as the clock has them.
+    fn by_clock(&self, clock: ClockLimits) -> Keeps {
+        let most = |span: Span| Span::from_nanos(clock.most(span.as_nanos()));
+        Keeps { longer_than: self.longer_than.map(most), ..self.clone() }
     }
 
     fn subject(&self) -> String {
@@ -227,7 +234,7 @@ impl TraceClaim for Keeps {
         let open = scene.is_open(&self.between.until);
         let segments = SegmentJudgement::new(window);
         let common = Common {
-            claim: self.clone(),
+            claim: self.by_clock(scene.clock),
             watched,
             segments,
             open,

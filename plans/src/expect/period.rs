@@ -125,10 +125,11 @@ impl TraceClaim for PeriodClaim {
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let window = scene.window(&self.between.from, &self.between.until)?;
+        let claim = PeriodClaim { limits: scene.clock.spans(self.limits), ..self.clone() };
         Ok(Box::new(PeriodMonitor {
             finder: EdgeFinder::new(self.edge.clone(), slack(info)),
-            chain: FigureChain::new(window, self.limits),
-            claim: self.clone(),
+            chain: FigureChain::new(window, claim.limits),
+            claim,
             info: info.clone(),
             window,
             open: scene.is_open(&self.between.until),

@@ -107,6 +107,11 @@ impl ShapedTrain {
         from: &Anchor,
         until: &Anchor,
     ) -> Result<ShapeMeasurement, NotJudged> {
+        if !scene.clock.error.is_none() {
+            let why =
+                "a shape of true time is not held against a clock that may be off: leave `clock-error` out";
+            return Err(NotJudged::NoMeaning(why.to_owned()));
+        }
         let window = scene.window(from, until)?;
         let info = scene.signal(&self.train.signal)?;
         let held = ShapeLimits {

@@ -108,12 +108,13 @@ impl TraceClaim for PulseClaim {
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let window = scene.window(&self.between.from, &self.between.until)?;
+        let width = scene.clock.spans(self.width);
         let judge = match self.every {
-            true => PulseSelection::Every(FigureChain::new(window, self.width)),
-            false => PulseSelection::First(FirstPulse::new(window, self.width)),
+            true => PulseSelection::Every(FigureChain::new(window, width)),
+            false => PulseSelection::First(FirstPulse::new(window, width)),
         };
         Ok(Box::new(PulseMonitor {
-            claim: self.clone(),
+            claim: PulseClaim { width, ..self.clone() },
             info: info.clone(),
             levels: PulseFinder::new(self.high, slack(info)),
             window,

@@ -136,8 +136,13 @@ impl TraceClaim for Rate {
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let window = scene.window(&self.between.from, &self.between.until)?;
+        // A part of the time is the same by every clock.
+        let band = match self.kind {
+            RateKind::Frequency => self.band.clone().by_clock(scene.clock, Number::ZERO),
+            RateKind::Duty => self.band.clone(),
+        };
         Ok(Box::new(RateMonitor {
-            claim: self.clone(),
+            claim: Rate { band, ..self.clone() },
             info: info.clone(),
             window,
             cycles: Cycles::new(window, self.by_falls, slack(info)),

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use document::{Diagnostic, Fields, KeySpec, KeyType};
 use record::Figure;
-use signal::{SignalInfo, Span, ValueKind};
+use signal::{ClockError, SignalInfo, Span, ValueKind};
 
 use super::band::shown;
 use super::common::{FROM, LONGER, PlanWindow, SIGNAL, UNTIL, delay_words, signal};
@@ -135,8 +135,13 @@ impl SettlesClaim {
     }
 
     /// What takes excursions out of the band that do not count out of the signal.
-    fn short_excursions(&self, info: &SignalInfo, band: &ValueTest) -> Option<PulseFilter> {
-        PulseRule::breaks(self.longer_than).of_level(Some(band.clone())).filter(info, 0)
+    fn short_excursions(
+        &self,
+        info: &SignalInfo,
+        band: &ValueTest,
+        clock: ClockError,
+    ) -> Option<PulseFilter> {
+        PulseRule::breaks(self.longer_than).of_level(Some(band.clone())).filter(info, 0, clock)
     }
 
     fn bind(&self, info: &SignalInfo) -> Result<(ValueTest, Option<OvershootLimit>), String> {
@@ -197,7 +202,7 @@ impl TraceClaim for SettlesClaim {
             from: scene.point(&self.between.from)?,
             reader: ValueReader::new(scene.point(&self.between.from)?),
             segments: SegmentJudgement::new(rest),
-            short: self.short_excursions(info, &test),
+            short: self.short_excursions(info, &test, scene.clock.error),
             extremes: Extremes::new(whole),
             class: Truth::Unknown,
             entered: None,

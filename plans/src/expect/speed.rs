@@ -21,7 +21,8 @@ use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::lang::Anchor;
 use crate::monitor::speed::SpeedFollower;
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, UncertainWindow, slack,
+    CaseTimeline, Finding, Monitor, NotJudged, Number, PulseRule, TimedValue, TraceSignals, UncertainWindow,
+    slack,
 };
 
 /// Its unit.
@@ -92,7 +93,8 @@ impl TraceClaim for SpeedClaim {
         let info = scene.signal(&self.signal)?;
         countable(info).map_err(NotJudged::NoMeaning)?;
         let window = scene.window(&self.between.from, &self.between.until)?;
-        let (claim, speed) = (self.clone(), SpeedFollower::new(window));
+        let band = self.band.clone().by_clock(scene.clock, Number::ZERO);
+        let (claim, speed) = (SpeedClaim { band, ..self.clone() }, SpeedFollower::new(window));
         Ok(Box::new(SpeedMonitor { claim, slack: slack(info), window, speed }))
     }
 }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use document::Diagnostic;
 use record::{ClaimOrigin, Verdict, Window};
-use signal::{Event, SignalInfo, Span, TraceError, When};
+use signal::{ClockError, Event, SignalInfo, Span, TraceError, When};
 
 use super::claim_record::{claim_record, writer};
 use super::coverage::coverage;
@@ -15,10 +15,13 @@ use super::pulse_limits::PulseLimits;
 use super::short_pulses::ShortPulses;
 use super::unknown::{UnknownTimes, add_why};
 use super::{JudgedCase, answer};
-use crate::expect::{Expectation, FilePlace, GlobalCheck, happens};
+use crate::expect::{Expectation, FilePlace, GlobalCheck, TraceClaim, happens};
 use crate::lang::{Anchor, AnchorBase};
 use crate::measure::{Gauge, Measurement};
-use crate::monitor::{Anchors, CaseTimeline, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals};
+use crate::monitor::{
+    Anchors, BothEnds, CaseTimeline, ClockLimits, LimitEnd, Monitor, NotJudged, PulseRule, TimedValue,
+    TraceSignals,
+};
 use crate::steps::{CasePart, Question};
 
 /// A step of the case, as far as the judge needs it.
@@ -117,6 +120,8 @@ pub struct CaseJudge {
     anchors: Anchors,
     live: LiveReading,
     fed: u64,
+    /// While the trace grows a claim is lost where it fails at the loosest end of its limits.
+    clock: ClockLimits,
 }
 
 impl fmt::Debug for CaseJudge {
@@ -164,13 +169,21 @@ impl CaseJudge {
         for (at, expectation) in scenario.expectations.iter().enumerate() {
             let held_back = signals_of(expectation, signals).any(|info| {
                 let rule = expectation.claim.pulses(info);
-                rule.filter(info, 0).is_some() || rule.can_rescue(info)
+                rule.filter(info, 0, ClockError::NONE).is_some() || rule.can_rescue(info)
             });
             if held_back || scenario.part_of_claim(expectation) == CasePart::Teardown {
                 live.pass_over(at);
             }
         }
-        Ok(CaseJudge { scenario, signals: signals.to_vec(), anchors, live, fed: 0 })
+        let clock = ClockLimits::default();
+        Ok(CaseJudge { scenario, signals: signals.to_vec(), anchors, live, fed: 0, clock })
+    }
+
+    /// The same judge for a trace that was stamped by a clock which may be off.
+    #[must_use]
+    pub fn by_clock(mut self, error: ClockError) -> CaseJudge {
+        self.clock.error = error;
+        self
     }
 
     /// The same judge for a case that nobody wants to end early: it does not watch the claims while the trace grows,
@@ -189,9 +202,16 @@ impl CaseJudge {
         self.fed += 1;
         if news {
             let now = event.at.earliest.as_nanos();
-            let (signals, anchors) = (&self.signals, &self.anchors);
-            let scene =
-                CaseTimeline { signals, anchors, order: &[], open_from: Some(now), closing: false, held: 0 };
+            let (signals, anchors, clock) = (&self.signals, &self.anchors, self.clock);
+            let scene = CaseTimeline {
+                signals,
+                anchors,
+                order: &[],
+                open_from: Some(now),
+                closing: false,
+                held: 0,
+                clock,
+            };
             self.live.news(&self.scenario.expectations, &scene, now);
         }
     }
@@ -250,9 +270,9 @@ impl CaseJudge {
     ) -> Result<JudgedCase, E> {
         self.anchors.end(end, self.fed);
         let order = self.live.order();
-        let (signals, anchors) = (&self.signals, &self.anchors);
+        let (signals, anchors, clock) = (&self.signals, &self.anchors, self.clock);
         let scene =
-            CaseTimeline { signals, anchors, order: &order, open_from: None, closing: false, held: 0 };
+            CaseTimeline { signals, anchors, order: &order, open_from: None, closing: false, held: 0, clock };
         let why = note("ended").unwrap_or_default();
         let early = EarlyEnd::of(note);
         let mut stage = FinalReading::new(&self.scenario, &scene, &why);
@@ -346,6 +366,17 @@ impl Follower {
     }
 }
 
+/// The monitor of a claim; where the clock may be off, at both ends of its limits.
+fn at_both_ends(claim: &dyn TraceClaim, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
+    let loosest = claim.start(scene)?;
+    if scene.clock.error.is_none() {
+        return Ok(loosest);
+    }
+    let clock = ClockLimits { end: LimitEnd::Strictest, ..scene.clock };
+    let strictest = claim.start(&CaseTimeline { clock, ..*scene })?;
+    Ok(Box::new(BothEnds { loosest, strictest }))
+}
+
 /// The last reading.
 struct FinalReading {
     running: Vec<RunningMonitor>,
@@ -388,7 +419,8 @@ impl FinalReading {
                 |info| expectation.claim.pulses(info),
                 scene_of.as_ref().unwrap_or(scene),
             );
-            let monitor = scene_of.and_then(|scene| expectation.claim.start(&CaseTimeline { held, ..scene }));
+            let monitor =
+                scene_of.and_then(|scene| at_both_ends(&*expectation.claim, &CaseTimeline { held, ..scene }));
             stage.running.push(RunningMonitor::Claim(monitor));
         }
         for measurement in &scenario.measurements {
@@ -416,7 +448,9 @@ impl FinalReading {
         for (slot, name) in names.iter().enumerate() {
             let Some(line) = scene.signals.iter().position(|info| info.name == *name) else { continue };
             let mut follower = Follower { at, slot, last, end: scene.earliest_end(), filter: None };
-            if let Some(filter) = rule(&scene.signals[line]).filter(&scene.signals[line], scene.lag(name)) {
+            if let Some(filter) =
+                rule(&scene.signals[line]).filter(&scene.signals[line], scene.lag(name), scene.clock.error)
+            {
                 held = held.max(filter.holds_for());
                 follower.filter = Some(self.short.add(filter, follower));
             }

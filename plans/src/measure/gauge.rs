@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use record::{Figure, GuardBand, MeasurementRecord, Verdict};
-use signal::{Decimal, SignalInfo, ValueKind};
+use signal::{ClockError, Decimal, SignalInfo, Span, ValueKind};
 
 use super::window::WindowMeasurement;
 use super::{MeasuredQuantity, Measurement, MeasurementLimits, Statistic, WindowFigure};
@@ -15,8 +15,8 @@ use crate::meaning::{ToleranceBand, number};
 use crate::monitor::edges::{EdgeFinder, FirstEdge};
 use crate::monitor::reading::ValueReader;
 use crate::monitor::{
-    CaseTimeline, Extent, NotJudged, Number, NumberLimits, TimedValue, UncertainInstant, UnseenPulses, slack,
-    widened,
+    CaseTimeline, Extent, NotJudged, Number, NumberLimits, TimedValue, UncertainInstant, UnseenPulses,
+    by_clock, slack, widened,
 };
 
 /// Limits as numbers, and as the record states them.
@@ -29,6 +29,10 @@ pub(super) struct LimitNumbers {
     natural: NumberLimits,
     /// How the uncertainty of a figure counts against them.
     guard: GuardBand,
+    /// What the clock may be off that the figure depends on.
+    clock: ClockError,
+    /// What else that makes of the figure.
+    wander: i64,
 }
 
 impl LimitNumbers {
@@ -75,6 +79,20 @@ impl LimitNumbers {
     /// The same for a figure that is never outside of these.
     fn of_kind(self, natural: NumberLimits) -> LimitNumbers {
         LimitNumbers { natural, ..self }
+    }
+}
+
+/// How far the edges of a clock that is off wander against a grid of true time while the window of a measurement lasts.
+fn wander(measurement: &Measurement, scene: &CaseTimeline<'_>) -> i64 {
+    let MeasuredQuantity::Over { from, until, figure: WindowFigure::Jitter(asked), .. } =
+        &measurement.quantity
+    else {
+        return 0;
+    };
+    let longest = scene.window(from, until).map_or(0, |window| window.until.b.saturating_sub(window.from.a));
+    match asked.grid {
+        Some(_) => scene.clock.error.of(Span::from_nanos(longest)).as_nanos(),
+        None => 0,
     }
 }
 
@@ -184,6 +202,10 @@ impl Gauge {
         };
         let bounds = LimitNumbers::new(&measurement.limits, &info).map_err(NotJudged::NoMeaning)?;
         let bounds = bounds.of_kind(measurement.quantity.natural()).guarded(measurement.guard);
+        let bounds = match measurement.quantity.depends_on_clock() {
+            true => LimitNumbers { clock: scene.clock.error, wander: wander(measurement, scene), ..bounds },
+            false => bounds,
+        };
         let record = MeasurementRecord {
             name: measurement.name.clone(),
             unit: info.unit,
@@ -325,6 +347,9 @@ pub(super) fn judge(
     bounds: &LimitNumbers,
     extent: Extent,
 ) -> MeasurementRecord {
+    let extent = by_clock(bounds.clock, extent);
+    let wander = Number::Int(i128::from(bounds.wander));
+    let extent = (extent.0.minus(wander), extent.1.plus(wander));
     record.value = Some([extent.0.reals().0, extent.1.reals().1]);
     let limits = bounds.limits;
     if !limits.any() {

@@ -196,6 +196,19 @@ impl WindowFigure {
 }
 
 impl MeasuredQuantity {
+    /// Whether the figure is a time, or what comes in a time: no value, no count, and no part of a time.
+    fn depends_on_clock(&self) -> bool {
+        match self {
+            MeasuredQuantity::Between { .. }
+            | MeasuredQuantity::ToEdge { .. }
+            | MeasuredQuantity::Profile { .. } => true,
+            MeasuredQuantity::Value { .. } | MeasuredQuantity::Position { .. } => false,
+            MeasuredQuantity::Over { figure, .. } => {
+                !matches!(figure, WindowFigure::Duty | WindowFigure::Value(_))
+            }
+        }
+    }
+
     /// What no figure of the kind is below or above.
     fn natural(&self) -> NumberLimits {
         match self {

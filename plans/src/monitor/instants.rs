@@ -5,7 +5,7 @@
 //! at or after a point exactly when the point can be placed at or before [`TimedValue::after`]. At one and the same
 //! instant the order of the trace decides.
 
-use signal::{Cause, Event, Span, Time, Value, When};
+use signal::{Cause, ClockError, Event, Span, Time, Value, When};
 
 /// An event of one watched signal, in the order of the trace, with its interval tightened by its neighbours'.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,6 +72,9 @@ impl TimedValue {
     }
 }
 
+/// The number of the event of a point that moves with no other.
+pub(crate) const UNLINKED: u32 = u32::MAX;
+
 /// An instant that a claim depends on: an event of the trace, or a distance from one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UncertainInstant {
@@ -103,6 +106,22 @@ impl UncertainInstant {
         }
     }
 
+    /// The same where the clock that stamped the event may be off: the distance from it is true time. Two points on one event no
+    /// longer have an exact distance then.
+    #[must_use]
+    pub fn by_clock(self, error: ClockError) -> UncertainInstant {
+        let off = error.of(Span::from_nanos(self.offset)).as_nanos();
+        if off == 0 {
+            return self;
+        }
+        UncertainInstant {
+            a: self.a.saturating_sub(off),
+            b: self.b.saturating_add(off),
+            base: UNLINKED,
+            ..self
+        }
+    }
+
     /// The same instant for reading a value: with an offset, a change at the very instant has happened.
     pub fn for_reading(self) -> UncertainInstant {
         UncertainInstant { place: if self.offset == 0 { self.place } else { u64::MAX }, ..self }
@@ -115,7 +134,7 @@ impl UncertainInstant {
 
     /// The distance from `self` to `other` where both depend on one event.
     pub fn link(&self, other: &UncertainInstant) -> Option<i64> {
-        (self.base == other.base).then(|| other.offset.saturating_sub(self.offset))
+        (self.base == other.base && self.base != UNLINKED).then(|| other.offset.saturating_sub(self.offset))
     }
 }
 

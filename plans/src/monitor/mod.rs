@@ -8,6 +8,7 @@
 //! Nothing here knows a verb (those are in [`crate::expect`] and [`crate::measure`]) or a case ([`crate::judge`]).
 
 mod anchors;
+mod clock_limits;
 pub mod count;
 pub mod cycles;
 pub mod edges;
@@ -34,6 +35,8 @@ mod unseen;
 mod value_test;
 
 pub(crate) use anchors::Anchors;
+pub use clock_limits::ClockLimits;
+pub(crate) use clock_limits::{BothEnds, LimitEnd, by_clock};
 pub use finding::Finding;
 pub(crate) use finding::{clipped, span_margin};
 pub use instants::{TimedValue, UncertainInstant, UncertainWindow};

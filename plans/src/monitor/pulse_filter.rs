@@ -35,8 +35,8 @@ impl PulseLevel {
 #[derive(Clone, Debug)]
 pub(crate) struct PulseFilter {
     level: PulseLevel,
-    /// Pulses of at most this width do not count, nanoseconds.
-    longest: i64,
+    /// Pulses of at most this width do not count, nanoseconds; where the clock may be off, at the least and at the most.
+    longest: (i64, i64),
     /// How far after the newest event of the trace one of this signal can begin, nanoseconds.
     lag: i64,
     /// The level that counts; unknown while it is open which one does.
@@ -50,7 +50,7 @@ pub(crate) struct PulseFilter {
 }
 
 impl PulseFilter {
-    pub(crate) fn new(level: PulseLevel, longest: i64, lag: i64) -> PulseFilter {
+    pub(crate) fn new(level: PulseLevel, longest: (i64, i64), lag: i64) -> PulseFilter {
         PulseFilter { level, longest, lag, counts: Truth::Unknown, pending: None, bridges: false, gap: None }
     }
 
@@ -62,7 +62,7 @@ impl PulseFilter {
 
     /// How long a change is held back at most before it is known whether it counts, nanoseconds.
     pub(crate) fn holds_for(&self) -> i64 {
-        if self.bridges { self.longest.saturating_mul(2) } else { self.longest }
+        if self.bridges { self.longest.1.saturating_mul(2) } else { self.longest.1 }
     }
 
     /// The next event of the signal; hands on what counts.
@@ -73,7 +73,7 @@ impl PulseFilter {
         }
         let Some(gap) = self.gap.take() else { return self.step(seen, out) };
         let before = self.pending.as_ref().map_or(self.counts, |(_, level)| *level);
-        if seen.b.saturating_sub(gap.a) > self.longest {
+        if seen.b.saturating_sub(gap.a) > self.longest.0 {
             self.step(&gap, out);
             self.step(seen, out);
         } else if self.level.of(seen.value) == before {
@@ -97,21 +97,21 @@ impl PulseFilter {
             return;
         }
         let (least, most) = (seen.a.saturating_sub(old.b), seen.b.saturating_sub(old.a));
-        if before != Truth::Unknown && least > self.longest {
+        if before != Truth::Unknown && least > self.longest.1 {
             out(&old);
             (self.counts, self.pending) = (before, Some((*seen, level)));
         } else if self.counts == Truth::Unknown {
             // Nothing has lasted for long enough.
             self.pending = Some((*seen, level));
         } else if level == self.counts {
-            if most <= self.longest {
+            if most <= self.longest.0 {
                 self.pending = None;
                 // The level is what it was, a number may be another one.
                 out(seen);
             } else {
                 self.leave_open((old, before), (*seen, level), out);
             }
-        } else if before == Truth::Unknown && most <= self.longest {
+        } else if before == Truth::Unknown && most <= self.longest.0 {
             // Somewhere in what is not known it came to be the other level.
             self.pending = Some((TimedValue { a: old.a, since: old.since, ..*seen }, level));
         } else {
@@ -148,7 +148,7 @@ impl PulseFilter {
     pub(crate) fn due(&self) -> i64 {
         let waits = self.gap.as_ref().or(self.pending.as_ref().map(|(pending, _)| pending));
         let Some(pending) = waits else { return i64::MAX };
-        pending.b.saturating_add(self.longest).saturating_add(self.lag)
+        pending.b.saturating_add(self.longest.1).saturating_add(self.lag)
     }
 
     /// Nothing comes any more; the case ended at `end`.
@@ -157,7 +157,7 @@ impl PulseFilter {
             self.step(&gap, out);
         }
         let Some((old, level)) = self.pending.take() else { return };
-        let lasted = level == Truth::Unknown || end.saturating_sub(old.b) > self.longest;
+        let lasted = level == Truth::Unknown || end.saturating_sub(old.b) > self.longest.1;
         out(&TimedValue { value: if lasted { old.value } else { Value::Unknown }, ..old });
     }
 }

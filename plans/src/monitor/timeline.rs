@@ -5,7 +5,8 @@ use std::fmt;
 use signal::{Sampling, SignalInfo, Span, When};
 
 use super::anchors::Anchors;
-use super::{UncertainInstant, UncertainWindow};
+use super::instants::UNLINKED;
+use super::{ClockLimits, UncertainInstant, UncertainWindow};
 use crate::lang::{Anchor, AnchorBase};
 
 /// The signals of a trace.
@@ -87,6 +88,8 @@ pub struct CaseTimeline<'a> {
     pub(crate) closing: bool,
     /// How long a change is held back until it is known whether it is one, nanoseconds.
     pub(crate) held: i64,
+    /// What the clock that stamped the trace may be off, and how limits are taken by it.
+    pub(crate) clock: ClockLimits,
 }
 
 impl<'a> CaseTimeline<'a> {
@@ -108,7 +111,7 @@ impl<'a> CaseTimeline<'a> {
         } else {
             None
         };
-        closed.or_else(|| self.anchors.resolve(anchor))
+        closed.or_else(|| self.anchors.resolve(anchor)).map(|point| point.by_clock(self.clock.error))
     }
 
     /// Place in the trace after which nothing counts.
@@ -124,7 +127,7 @@ impl<'a> CaseTimeline<'a> {
         let start = self.point(from)?;
         let end = match (self.point(until), self.open_from) {
             (Err(_), Some(now)) => {
-                UncertainInstant { a: now, b: i64::MAX, place: u64::MAX, base: u32::MAX, offset: 0 }
+                UncertainInstant { a: now, b: i64::MAX, place: u64::MAX, base: UNLINKED, offset: 0 }
             }
             (end, _) => end?,
         };

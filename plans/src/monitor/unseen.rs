@@ -5,7 +5,7 @@
 //! of sampling.
 
 use record::Verdict;
-use signal::{Policy, Sampling, SignalInfo, Span, ValueKind};
+use signal::{ClockError, Policy, Sampling, SignalInfo, Span, ValueKind};
 
 use super::pulse_filter::{PulseFilter, PulseLevel};
 use super::{Finding, ValueTest, slack};
@@ -69,15 +69,17 @@ impl PulseRule {
     }
 
     /// What takes short pulses out of a signal before its monitor sees them. A value of a number is no pulse by itself. `lag`
-    /// is that of [`super::CaseTimeline::lag`].
-    pub(crate) fn filter(&self, info: &SignalInfo, lag: i64) -> Option<PulseFilter> {
+    /// is that of [`super::CaseTimeline::lag`], `clock` what the clock may be off.
+    pub(crate) fn filter(&self, info: &SignalInfo, lag: i64, clock: ClockError) -> Option<PulseFilter> {
         let longest = self.longer_than.filter(|span| !self.weighs && *span > Span::ZERO)?;
         let level = match &self.level {
             Some(test) => PulseLevel::Test(test.clone(), slack(info)),
             None if info.kind == ValueKind::Bool => PulseLevel::Line,
             None => return None,
         };
-        let filter = PulseFilter::new(level, longest.as_nanos(), lag);
+        let off = clock.of(longest);
+        let limits = ((longest - off).as_nanos(), (longest + off).as_nanos());
+        let filter = PulseFilter::new(level, limits, lag);
         let promised = matches!(info.policy, Policy::AtMostEvery(every) if every <= longest);
         Some(if promised { filter.bridging() } else { filter })
     }

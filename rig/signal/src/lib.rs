@@ -6,6 +6,7 @@
 pub mod address;
 pub mod calendar;
 mod can;
+mod clock_error;
 mod coverage;
 mod event;
 mod image;
@@ -18,6 +19,7 @@ mod value;
 
 pub use address::{Address, AddressError, AddressLimits, Area, Size};
 pub use can::{BusError, BusState, CanFrame, MAX_CAN_DATA};
+pub use clock_error::ClockError;
 pub use coverage::Coverage;
 pub use event::{
     Cause, ClockDomain, Event, Policy, Sampling, SignalGap, SignalId, SignalInfo, ValueKind, When,

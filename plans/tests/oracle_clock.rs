@@ -1,0 +1,119 @@
+//! A clock that is off, against the judgement of what truly was: no verdict may come out that a clock which is right contradicts.
+
+use crate::oracle::claim;
+use proptest::prelude::*;
+use record::Verdict;
+use scanrig_plans::expect::Expectation;
+use scanrig_plans::judge::{CaseJudge, Scenario};
+use signal::{Cause, ClockError, Event, SignalId, SignalInfo, Time, Trace, Value, ValueKind, When};
+
+/// Steps of the true time, nanoseconds; the clock is off by whole thousandths, so that what it shows is whole, too.
+const STEP: i64 = 1_000;
+/// What the clock may be off: 1 %.
+const MOST: i64 = 10;
+const END: i64 = 400;
+
+/// Instants of the two steps, and of the changes of the line, in true steps.
+#[derive(Clone, Debug)]
+struct Truth {
+    marks: [i64; 2],
+    line: Vec<i64>,
+}
+
+fn truths() -> impl Strategy<Value = Truth> {
+    let line = proptest::collection::btree_set(1..300i64, 0..9);
+    (0..150i64, 0..150i64, line)
+        .prop_map(|(one, more, line)| Truth { marks: [one, one + more], line: line.into_iter().collect() })
+}
+
+fn claims() -> impl Strategy<Value = String> {
+    let span = || (0..160i64).prop_map(|steps| format!("{steps} us"));
+    let pair = || (0..160i64, 0..60i64).prop_map(|(from, more)| format!("{from} us .. {} us", from + more));
+    prop_oneof![
+        pair().prop_map(|within| format!("{{ rises = {{ signal = \"q\", from = \"a\", within = \"{within}\" }} }}")),
+        pair().prop_map(|within| format!("{{ falls = {{ signal = \"q\", from = \"b\", within = \"{within}\" }} }}")),
+        pair().prop_map(|width| format!("{{ pulse = {{ signal = \"q\", from = \"a\", which = \"every\", width = \"{width}\" }} }}")),
+        pair().prop_map(|width| format!("{{ pulse = {{ signal = \"q\", level = \"low\", width = \"{width}\" }} }}")),
+        pair().prop_map(|is| format!("{{ period = {{ signal = \"q\", is = \"{is}\" }} }}")),
+        pair().prop_map(|within| format!("{{ happens = {{ step = \"b\", from = \"a\", within = \"{within}\" }} }}")),
+        (span(), span()).prop_map(|(from, until)| format!(
+            "{{ never = {{ signal = \"q\", from = \"a + {from}\", until = \"b + {until}\" }} }}"
+        )),
+        (span(), span()).prop_map(|(from, longer)| format!(
+            "{{ never = {{ signal = \"q\", from = \"a + {from}\", pulses-longer-than = \"{longer}\" }} }}"
+        )),
+        (span(), span()).prop_map(|(from, longer)| format!(
+            "{{ edges = {{ signal = \"q\", rising = 1, from = \"a + {from}\", pulses-longer-than = \"{longer}\" }} }}"
+        )),
+        (1..50i64, 0..20i64).prop_map(|(least, more)| format!(
+            "{{ frequency = {{ signal = \"q\", is = \"{least} .. {} kHz\" }} }}",
+            least + more
+        )),
+        (1..100i64, 0..20i64).prop_map(|(least, more)| format!(
+            "{{ duty = {{ signal = \"q\", is = \"{least} .. {} %\" }} }}",
+            least + more
+        )),
+        span().prop_map(|most| format!("{{ jitter = {{ signal = \"q\", max = \"{most}\" }} }}")),
+        (span(), 1..80i64).prop_map(|(most, grid)| format!(
+            "{{ jitter = {{ signal = \"q\", max = \"{most}\", grid = \"{grid} us\" }} }}"
+        )),
+        span().prop_map(|lag| format!("{{ follows = {{ signal = \"q\", leader = \"p\", within = \"{lag}\" }} }}")),
+        Just("{ order = { edges = [\"q rises\", \"q falls\", \"q rises\"] } }".to_owned()),
+    ]
+}
+
+/// The verdict on what a clock shows that is fast by so many thousandths.
+fn judged(truth: &Truth, text: &str, off: i64, error: ClockError) -> Verdict {
+    let signals = [
+        SignalInfo::exact("q", ValueKind::Bool),
+        SignalInfo::exact("p", ValueKind::Bool),
+        SignalInfo::exact("step:a", ValueKind::Mark),
+        SignalInfo::exact("step:b", ValueKind::Mark),
+        SignalInfo::exact("step:start", ValueKind::Mark),
+        SignalInfo::exact("step:end", ValueKind::Mark),
+    ];
+    let shown = |steps: i64| When::exactly(Time::from_nanos(steps * (STEP + off)));
+    let mut events = vec![(0, 4, Value::Int(1)), (0, 0, Value::Bool(false)), (0, 1, Value::Bool(false))];
+    events.extend(truth.marks.iter().zip([2, 3]).map(|(at, signal)| (*at, signal, Value::Int(1))));
+    events.extend(truth.line.iter().enumerate().map(|(n, at)| (*at, 0, Value::Bool(n % 2 == 0))));
+    events.extend(truth.marks.iter().enumerate().map(|(n, at)| (*at, 1, Value::Bool(n % 2 == 0))));
+    events.push((END, 5, Value::Int(1)));
+    events.sort_by_key(|event| event.0);
+    let mut trace = Trace::new();
+    for info in &signals {
+        trace.define(info.clone()).unwrap();
+    }
+    for (at, signal, value) in events {
+        trace.push(Event { signal: SignalId(signal), at: shown(at), value, cause: Cause::Unknown }).unwrap();
+    }
+    let (verb, claim) = claim(text);
+    let expectation = Expectation { name: String::new(), verb, claim, place: None };
+    let scenario = Scenario { expectations: vec![expectation], ..Scenario::default() };
+    let mut judge = CaseJudge::new(scenario, &signals).unwrap().by_clock(error);
+    let mut lost = false;
+    for event in trace.events() {
+        judge.feed(&event.unwrap());
+        lost |= judge.failed_early();
+    }
+    let verdict = judge.finish(shown(END), &trace).unwrap().verdict;
+    assert!(!lost || verdict == Verdict::Fail, "lost early: {text} {truth:?}");
+    verdict
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(6_000))]
+
+    #[test]
+    fn no_verdict_is_another_by_a_clock_that_is_right(truth in truths(), text in claims(), off in -MOST..=MOST) {
+        let error = ClockError::from_parts(10_000_000_000).unwrap();
+        let (right, found) = (judged(&truth, &text, 0, ClockError::NONE), judged(&truth, &text, off, error));
+        // A window that is empty by a clock which is right has no verdict.
+        if matches!(found, Verdict::Pass | Verdict::Fail) && right != Verdict::Inconclusive {
+            prop_assert_eq!(found, right, "{} {:?} {}", text, truth, off);
+        }
+        // Without a limit of time nothing is open that was not.
+        if text.contains("order") || text.contains("duty") {
+            prop_assert_eq!(found, right, "{} {:?} {}", text, truth, off);
+        }
+    }
+}
