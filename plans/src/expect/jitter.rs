@@ -250,7 +250,6 @@ fn finding(
         };
         return finding;
     };
-    let extent = (Number::Real(extent.0), Number::Real(extent.1));
     let (can_hold, can_break) = claim.band.hold(extent);
     finding.can_hold |= can_hold;
     finding.can_break |= can_break;

@@ -224,10 +224,10 @@ impl WindowMeasurement {
             }
             WindowFollower::Jitter(jitter) => {
                 let found = jitter.finish();
-                let Some((low, high)) = found.extent else {
+                let Some(extent) = found.extent else {
                     return missing(record, found.doubtful, "fewer than three edges lie in the window");
                 };
-                let record = judge(record, bounds, (Number::Real(low), Number::Real(high)));
+                let record = judge(record, bounds, extent);
                 match (found.doubtful, found.can_be_missing) {
                     (true, _) => open(record, NOT_KNOWN),
                     (_, true) => open(record, "it is open whether three edges lie in the window"),

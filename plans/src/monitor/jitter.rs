@@ -7,11 +7,13 @@
 //!
 //! Each is a distance to the nearest of a family of grids. So an edge that is known to within `2w` changes the span by
 //! at most that, and the rms of all by at most the rms of all `w`: which is how intervals are honoured. Sums are kept in
-//! whole numbers, so that nothing is rounded off however long a train is.
+//! whole numbers, so that nothing is rounded off however long a train is; the figure of edges whose instants are exact is
+//! exact, too, or lies between two floats.
 
 use super::edges::{CountedEdge, EdgeFinder};
 use super::hull::{HullCorner, HullSide, narrowest};
-use super::{TimedValue, UncertainWindow};
+use super::means::root;
+use super::{Number, TimedValue, UncertainWindow};
 
 /// What is compared with the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,7 +48,7 @@ pub struct JitterQuery {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct JitterResult {
     /// Least and greatest jitter of all placements, nanoseconds.
-    pub extent: Option<(f64, f64)>,
+    pub extent: Option<(Number, Number)>,
     /// How many edges lie in the window in every placement, and how many may.
     pub edges: (u64, u64),
     /// Some placement has fewer than three edges in the window.
@@ -56,6 +58,9 @@ pub struct JitterResult {
     /// Of a span: the edge that is latest, or ends the longest period, and the earliest or that of the shortest one.
     pub farthest: Option<(TimedValue, TimedValue)>,
 }
+
+/// How far a root that was made of floats may be off, as a part of it.
+const ROUNDED: f64 = 1e-14;
 
 /// Fewest edges that have a jitter: any two fit a grid.
 const FEWEST: u64 = 3;
@@ -89,19 +94,26 @@ impl Sums {
         })
     }
 
-    /// Sum of the squared distances from 0.
-    fn about_zero(&self) -> f64 {
-        self.xx as f64
-    }
-
-    /// Sum of the squared distances from the mean.
-    fn about_mean(&self) -> Option<f64> {
+    /// Sum of the squared distances from 0, from the mean, or from the best line, as a quotient.
+    fn squares(&self, asked: &JitterQuery) -> Option<(i128, i128)> {
         let count = i128::from(self.count);
-        let spread = count.checked_mul(self.xx)?.checked_sub(self.x.checked_mul(self.x)?)?;
-        Some(spread as f64 / count as f64)
+        let spread = |of: i128, sum: i128| count.checked_mul(of)?.checked_sub(sum.checked_mul(sum)?);
+        match (asked.compared, asked.grid) {
+            (JitterReference::Periods, Some(_)) => Some((self.xx, 1)),
+            (JitterReference::Edges, None) => {
+                let nn = spread(self.nn, self.n)?;
+                if nn == 0 {
+                    return Some((0, 1));
+                }
+                let nx = count.checked_mul(self.nx)?.checked_sub(self.n.checked_mul(self.x)?)?;
+                let over = spread(self.xx, self.x)?.checked_mul(nn)?.checked_sub(nx.checked_mul(nx)?)?;
+                Some((over, nn.checked_mul(count)?))
+            }
+            _ => Some((spread(self.xx, self.x)?, count)),
+        }
     }
 
-    /// Sum of the squared distances from the best line.
+    /// The same of the best line as a float, where the quotient has no room.
     fn about_line(&self) -> Option<f64> {
         let count = i128::from(self.count);
         let xx = count.checked_mul(self.xx)?.checked_sub(self.x.checked_mul(self.x)?)?;
@@ -116,6 +128,27 @@ impl Sums {
         let flat = xx.checked_sub(slope.checked_mul(nx.checked_add(rest)?)?)?;
         Some((flat as f64 - rest as f64 * (rest as f64 / nn as f64)).max(0.0) / count as f64)
     }
+
+    /// The mean square of points that are known exactly, of which `parts` are a nanosecond; `None` where it has no room.
+    fn exact_mean_square(&self, asked: &JitterQuery, parts: u64) -> Option<Number> {
+        if self.ww != 0 {
+            return None;
+        }
+        let (over, under) = self.squares(asked)?;
+        // All were doubled.
+        let scale = i128::from(parts).checked_mul(i128::from(parts))?.checked_mul(4 * i128::from(self.count))?;
+        let under = under.checked_mul(scale)?;
+        let divisor = common_divisor(over, under);
+        Some(Number::quotient(over / divisor, u64::try_from(under / divisor).ok()?))
+    }
+}
+
+/// Of two numbers that are not below 0, one of them above.
+const fn common_divisor(mut a: i128, mut b: i128) -> i128 {
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a
 }
 
 /// Points that lie in the window, in every placement or in some.
@@ -166,19 +199,20 @@ impl Points {
     }
 
     /// How far apart the farthest two are at least (`sure`: each as near to the other as it can be), or at most.
-    fn span(&self, sure: bool) -> Option<(f64, HullCorner, HullCorner)> {
+    fn span(&self, sure: bool, parts: u64) -> Option<(Number, HullCorner, HullCorner)> {
         // The greatest by its earliest end and the least by its latest one are as near to one another as can be.
         let (top, bottom) = if sure { (0, 1) } else { (1, 0) };
         match self {
             Points::Ends(ends) => {
                 let (most, least) = (ends[top]?.0, ends[bottom]?.1);
-                Some(((most.x - least.x) as f64, most, least))
+                Some((Number::quotient((most.x - least.x).max(0), parts), most, least))
             }
             Points::Hulls(hulls) => {
                 let (upper, lower) = (&hulls[top].0, &hulls[bottom].1);
                 let band = narrowest(upper, lower)?;
                 let cut = !sure && (upper.is_full() || lower.is_full());
-                Some(if cut { (f64::INFINITY, band.1, band.2) } else { band })
+                let wide = if cut { f64::INFINITY } else { band.0.max(0.0) / parts as f64 };
+                Some((Number::Real(wide), band.1, band.2))
             }
             Points::Sums(_) => None,
         }
@@ -187,10 +221,10 @@ impl Points {
     /// The root of the sum of squares and that of the squared widths, with their number.
     fn roots(&self, asked: &JitterQuery) -> Option<(f64, f64, u64)> {
         let Points::Sums(Some(sums)) = self else { return None };
-        let squares = match (asked.compared, asked.grid) {
-            (JitterReference::Edges, None) => sums.about_line()?,
-            (JitterReference::Periods, Some(_)) => sums.about_zero(),
-            _ => sums.about_mean()?,
+        let squares = match (sums.squares(asked), asked.compared, asked.grid) {
+            (Some((over, under)), ..) => over as f64 / under as f64,
+            (None, JitterReference::Edges, None) => sums.about_line()?,
+            _ => return None,
         };
         // All were doubled.
         Some((libm::sqrt(squares) / 2.0, libm::sqrt(sums.ww as f64) / 2.0, sums.count))
@@ -301,12 +335,18 @@ impl Jitter {
         if self.edges.1 < FEWEST {
             return found;
         }
-        let parts = self.grid.map_or(1.0, |grid| grid.parts as f64);
+        let parts = self.grid.map_or(1, |grid| grid.parts);
         if !self.asked.rms {
-            let most = self.all.span(false);
-            let least = self.sure.span(true).map_or(0.0, |band| band.0.max(0.0));
+            let most = self.all.span(false, parts);
+            let least = self.sure.span(true, parts).map_or(Number::ZERO, |band| band.0);
             found.farthest = most.map(|(_, above, below)| (above.seen, below.seen));
-            found.extent = most.map(|(most, ..)| (least / parts, most / parts));
+            found.extent = most.map(|(most, ..)| (least, most));
+            return found;
+        }
+        if let (Points::Sums(Some(sums)), true) = (&self.all, self.edges.0 == self.edges.1)
+            && let Some(square) = sums.exact_mean_square(&self.asked, parts)
+        {
+            found.extent = Some(root(square));
             return found;
         }
         let Some((all, wide, most)) = self.all.roots(&self.asked) else {
@@ -315,9 +355,10 @@ impl Jitter {
         };
         // More points have no smaller sum of squares, whichever grid suits them best.
         let (sure, narrow, least) = self.sure.roots(&self.asked).unwrap_or((0.0, 0.0, 0));
-        let low = (sure - narrow).max(0.0) / libm::sqrt(most as f64);
-        let high = (all + wide) / libm::sqrt(least.max(1) as f64);
-        found.extent = Some((low / parts, high / parts));
+        // Each operation may be off by half of the distance to the next float; there are few of them.
+        let low = (sure - narrow).max(0.0) / libm::sqrt(most as f64) / parts as f64 * (1.0 - ROUNDED);
+        let high = (all + wide) / libm::sqrt(least.max(1) as f64) / parts as f64 * (1.0 + ROUNDED);
+        found.extent = Some((Number::Real(low), Number::Real(high)));
         found
     }
 }

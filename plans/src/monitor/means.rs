@@ -104,7 +104,7 @@ fn magnitudes((low, high): Extent) -> Extent {
 }
 
 /// The root, or the floats beside it.
-fn root(square: Number) -> Extent {
+pub(super) fn root(square: Number) -> Extent {
     let near = libm::sqrt(square.as_real().max(0.0));
     let exact = [near, near.next_down(), near.next_up()].into_iter().map(Number::Real);
     let exact = exact.filter(|root| root.times(*root).compare(square).is_some_and(std::cmp::Ordering::is_eq));
