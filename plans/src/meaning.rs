@@ -69,6 +69,28 @@ pub fn number(literal: &Literal, info: &SignalInfo) -> Result<Number, String> {
     }
 }
 
+/// States that a help names at most.
+const NAMED: usize = 12;
+
+/// What a plan writes for a value of this signal.
+pub(crate) fn what_to_write(info: &SignalInfo) -> String {
+    let unit = info.unit.as_str();
+    match info.kind {
+        _ if !info.labels.is_empty() => {
+            let known: Vec<String> =
+                info.labels.iter().take(NAMED).map(|(_, label)| format!("\"{label}\"")).collect();
+            let more = if info.labels.len() > NAMED { ", ..." } else { "" };
+            format!("write one of its states: {}{more}", known.join(", "))
+        }
+        ValueKind::Bool => String::from("write true or false"),
+        _ if unit == "ns" => String::from("write a duration such as \"10 ms\""),
+        _ if unit.is_empty() => String::from(
+            "write a number without a unit, such as 42; a variable of type TIME takes a duration such as \"500 ms\"",
+        ),
+        _ => format!("write a number in its unit, such as \"1.5 {unit}\""),
+    }
+}
+
 /// A quantity in the unit of this signal, exactly.
 fn in_unit_of(quantity: &Quantity, info: &SignalInfo) -> Result<Decimal, String> {
     let own = Unit::new(&info.unit);
@@ -155,6 +177,24 @@ mod tests {
         for (unit, text) in [("V", "500 ms"), ("", "1 V"), ("l/min", "3 l/h"), ("h", "90 min")] {
             assert!(bind(unit, text).is_err(), "{text} in {unit}");
         }
+    }
+
+    #[test]
+    fn a_help_says_what_to_write() {
+        let of = |kind: ValueKind, unit: &str, labels: &[&str]| {
+            let mut info = SignalInfo::exact("u", kind);
+            info.unit = unit.into();
+            info.labels = (0..).zip(labels).map(|(n, label)| (n, (*label).to_owned())).collect();
+            what_to_write(&info)
+        };
+        assert_eq!(of(ValueKind::Bool, "", &[]), "write true or false");
+        assert_eq!(of(ValueKind::Real, "V", &[]), "write a number in its unit, such as \"1.5 V\"");
+        assert_eq!(of(ValueKind::Int, "ns", &[]), "write a duration such as \"10 ms\"");
+        assert_eq!(
+            of(ValueKind::State, "", &["RUNNING", "HALT"]),
+            "write one of its states: \"RUNNING\", \"HALT\""
+        );
+        assert!(of(ValueKind::Int, "", &[]).starts_with("write a number without a unit"));
     }
 
     #[test]

@@ -102,6 +102,8 @@ fn a_file_that_does_not_suit_the_capture_is_refused() {
     let bench = bench();
     for (file, words) in [
         ("format = 1\n[channels.Lamp]\nunit = \"V\"", ["R0213", "write `Lampe`"]),
+        ("format = 1\n[channels.Lamp]\nunit = \"V\"", ["scope.toml:2:11", "no channel `Lamp`"]),
+        ("format = 1\n[channels.Lampe]\nunit = \"banana\"", ["scope.toml:2:11", "in V, and its figures"]),
         ("format = 1\n[channels.Lampe]\nthreshold = \"12 V\"", ["R0212", "unit"]),
         ("format = 1\n[channels.Lampe]\nunit = \"A\"\nthreshold = \"12 A\"", ["R0213", "write unit = \"V\""]),
         ("format = 1\n[timebase]\nresolutoin = \"1 ns\"", ["R0211", "did you mean `resolution`?"]),
@@ -147,4 +149,16 @@ fn an_edge_that_never_comes_says_what_its_channel_reads() {
             "by its threshold is FALSE at first, rises never and falls never",
         ],
     );
+}
+
+#[test]
+fn bits_have_no_unit() {
+    let bench = bench();
+    bench.write("bits.csv", "time [s],button,lamp\n0,0,0\n1,1,0\n1.52,1,1\n3,1,1\n");
+    bench.write("scope.toml", "format = 1\n[channels.lamp]\nunit = \"banana\"\n");
+    let args = ["judge", "lamp.toml", "bits.csv", "--start", "0 s", "--instrument", "scope.toml"];
+    bench.refused(&args, &["R0213", "scope.toml:2:11", "the unit banana", "remove `unit` of `lamp`"]);
+    // What a threshold of the command line makes bits of has volts.
+    bench.write("scope.toml", "format = 1\n[channels.lamp]\nunit = \"V\"\n");
+    assert_eq!(bench.rig(&[&args[..], &["--map", "lamp=lamp@0.5"]].concat()).code, Some(3));
 }

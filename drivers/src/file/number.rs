@@ -1,6 +1,6 @@
 //! Numbers with the unit of their channel.
 
-use document::{Data, Findings, Node};
+use document::{Data, Findings, KeyType, Node};
 use signal::{Decimal, Quantity, Unit};
 
 use super::codes;
@@ -21,7 +21,12 @@ fn exact(node: &Node, unit: &str, code: &'static str, out: &mut Findings) -> Opt
         Data::Integer(number) => return Some(Decimal::from(i128::from(*number))),
         Data::Float(text) | Data::Text(text) => text,
         _ => {
-            out.bad(out.codes().wrong_type, node, "a number or a quantity is expected here", "");
+            out.bad(
+                out.codes().wrong_type,
+                node,
+                "a number or a quantity is expected here",
+                format!("write {}", KeyType::Quantity.describe()),
+            );
             return None;
         }
     };

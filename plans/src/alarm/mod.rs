@@ -19,7 +19,7 @@ use signal::{SignalInfo, Span};
 use crate::expect::GlobalCheck;
 use crate::expect::{Expectation, FilePlace, TraceClaim, condition::ValueCondition, known, meant};
 use crate::lang::{Anchor, Literal};
-use crate::meaning::exact;
+use crate::meaning::{exact, what_to_write};
 use crate::monitor::{
     CaseTimeline, Monitor, NotJudged, Number, PulseRule, TraceSignals, UncertainWindow, slack,
 };
@@ -134,7 +134,7 @@ impl TraceClaim for Alarm {
 
     fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         if let Some(info) = known(&self.signal, wiring, out) {
-            meant(self.rule(info).map(drop), out);
+            meant(self.rule(info).map(drop), &what_to_write(info), out);
         }
     }
 

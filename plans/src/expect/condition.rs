@@ -80,7 +80,12 @@ impl ValueCondition {
             let list = fields.each("one-of");
             if list.is_empty() {
                 if let Some(node) = fields.get("one-of") {
-                    cx.out.bad(codes::CLAIM, node, "no value is allowed: the claim can never be met", "");
+                    cx.out.bad(
+                        codes::CLAIM,
+                        node,
+                        "no value is allowed: the claim can never be met",
+                        "write one-of = [1, 2]",
+                    );
                 }
                 return None;
             }
@@ -177,7 +182,7 @@ pub(crate) fn literal(node: &Node, cx: &mut ReadContext<'_>) -> Option<Literal> 
     match Literal::of(node) {
         Ok(literal) => Some(literal),
         Err(fault) => {
-            cx.out.bad(codes::VALUE, node, fault.to_string(), "");
+            cx.out.bad(codes::VALUE, node, fault.to_string(), fault.help());
             None
         }
     }

@@ -16,7 +16,7 @@ use super::condition::literal;
 use super::value::{instant, observed, unknown};
 use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::lang::{Anchor, Literal};
-use crate::meaning::number;
+use crate::meaning::{number, what_to_write};
 use crate::monitor::reading::{Candidate, ValueReader};
 use crate::monitor::{
     CaseTimeline, Finding, Monitor, NotJudged, Number, PulseRule, TimedValue, TraceSignals, Truth,
@@ -115,7 +115,7 @@ impl TraceClaim for EqualClaim {
 
     fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         if let Some(info) = super::known(&self.left.signal, wiring, out) {
-            super::meant(self.limit(info).map(drop), out);
+            super::meant(self.limit(info).map(drop), &what_to_write(info), out);
         }
         super::known(&self.right.signal, wiring, out);
     }

@@ -18,6 +18,7 @@ use super::common::{
 use super::condition::ValueCondition;
 use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::lang::Anchor;
+use crate::meaning::what_to_write;
 use crate::monitor::edges::{CountedEdge, Delay, EdgeFinder, FirstEdge, FoundEdge, LAST};
 use crate::monitor::{
     CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, UncertainInstant,
@@ -169,7 +170,7 @@ impl TraceClaim for FirstEdgeClaim {
 
     fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         if let Some(info) = super::known(&self.signal, wiring, out) {
-            super::meant(self.kind.bind(info).map(drop), out);
+            super::meant(self.kind.bind(info).map(drop), &what_to_write(info), out);
         }
     }
 

@@ -20,7 +20,7 @@ use super::condition::{ValueCondition, literal};
 use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim, keeps};
 use crate::codes;
 use crate::lang::{Anchor, Literal};
-use crate::meaning::number;
+use crate::meaning::{number, what_to_write};
 use crate::monitor::{
     CaseTimeline, Finding, Monitor, NotJudged, Number, PulseRule, TimedValue, TraceSignals, Truth,
     UncertainWindow, distance, slack,
@@ -119,10 +119,10 @@ impl TraceClaim for Follows {
     fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         let pair = (super::known(&self.signal, wiring, out), super::known(&self.leader, wiring, out));
         let (Some(info), Some(leader)) = pair else { return };
-        super::meant(self.limit(info).map(drop), out);
+        super::meant(self.limit(info).map(drop), &what_to_write(info), out);
         if !info.unit.is_empty() && !leader.unit.is_empty() && info.unit != leader.unit {
             let why = format!("`{}` is in {} and `{}` in {}", info.name, info.unit, leader.name, leader.unit);
-            super::meant(Err(why), out);
+            super::meant(Err(why), "name two signals of one unit", out);
         }
     }
 

@@ -125,7 +125,11 @@ impl TraceClaim for FramesClaim {
         let Some(info) = super::known(&self.signal, wiring, out) else { return };
         let counts = matches!(info.kind, ValueKind::Int | ValueKind::Word);
         let why = || format!("`{}` does not count anything: name frames without `signal`", info.name);
-        super::meant(if counts { Ok(()) } else { Err(why()) }, out);
+        super::meant(
+            if counts { Ok(()) } else { Err(why()) },
+            "name the frames: frames = { bus = \"machine\", id = 0x181 }",
+            out,
+        );
     }
 
     fn demands(&self) -> Vec<ClaimDemand<'_>> {

@@ -17,6 +17,7 @@ use super::condition::{IS, MAX, MIN, ONE_OF, ValueCondition};
 use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::codes;
 use crate::lang::Anchor;
+use crate::meaning::what_to_write;
 use crate::monitor::segments::{Breach, SegmentJudgement, SegmentResult, Weight};
 use crate::monitor::{
     CaseTimeline, ClockLimits, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, Truth,
@@ -115,7 +116,12 @@ fn several(fields: &Fields<'_>, key: &str, cx: &mut ReadContext<'_>) -> Option<V
     for node in fields.each(key) {
         let name = cx.names.signal(node, cx.out)?;
         if signals.contains(&name) {
-            cx.out.bad(codes::CLAIM, node, format!("`{name}` stands here twice"), "");
+            cx.out.bad(
+                codes::CLAIM,
+                node,
+                format!("`{name}` stands here twice"),
+                "name another signal, or remove it",
+            );
             return None;
         }
         signals.push(name);
@@ -138,7 +144,7 @@ impl Keeps {
     /// Finds what cannot be judged of one of the signals.
     pub(super) fn check_one(&self, at: usize, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         if let Some(info) = super::known(&self.signals[at], wiring, out) {
-            super::meant(self.test(info).map(drop), out);
+            super::meant(self.test(info).map(drop), &what_to_write(info), out);
         }
     }
 

@@ -201,9 +201,9 @@ pub(crate) fn known<'a>(
     found
 }
 
-/// Keeps why a value means nothing for its signal.
-pub(crate) fn meant(result: Result<(), String>, out: &mut Vec<Diagnostic>) {
+/// Keeps why a value means nothing for its signal, with what to write in its place.
+pub(crate) fn meant(result: Result<(), String>, help: &str, out: &mut Vec<Diagnostic>) {
     if let Err(why) = result {
-        out.push(Diagnostic::error(codes::MEANING, why));
+        out.push(Diagnostic::error(codes::MEANING, why).help(help));
     }
 }

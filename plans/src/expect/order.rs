@@ -53,7 +53,12 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceCl
     let list = fields.each("edges");
     if !(2..=MOST).contains(&list.len()) {
         let node = fields.get("edges")?;
-        cx.out.bad(codes::CLAIM, node, format!("an order takes 2 to {MOST} edges"), "");
+        cx.out.bad(
+            codes::CLAIM,
+            node,
+            format!("an order takes 2 to {MOST} edges"),
+            "write edges = [\"a rises\", \"b rises\"]",
+        );
         return None;
     }
     let mut edges = Vec::new();

@@ -19,7 +19,7 @@ use super::condition::{IS, MAX, MIN, ValueCondition, literal};
 use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::codes;
 use crate::lang::{Anchor, Literal};
-use crate::meaning::number;
+use crate::meaning::{number, what_to_write};
 use crate::monitor::extremes::Extremes;
 use crate::monitor::reading::ValueReader;
 use crate::monitor::segments::{SegmentJudgement, Weight};
@@ -178,7 +178,7 @@ impl TraceClaim for SettlesClaim {
 
     fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         if let Some(info) = super::known(&self.signal, wiring, out) {
-            super::meant(self.bind(info).map(drop), out);
+            super::meant(self.bind(info).map(drop), &what_to_write(info), out);
         }
     }
 

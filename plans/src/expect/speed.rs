@@ -77,7 +77,7 @@ impl TraceClaim for SpeedClaim {
 
     fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         if let Some(info) = super::known(&self.signal, wiring, out) {
-            super::meant(countable(info), out);
+            super::meant(countable(info), "name a variable that counts, or measure `value-of`", out);
         }
     }
 

@@ -122,7 +122,11 @@ impl TrainLines {
                     true => format!("`{name}` is neither a line nor a whole number, so it does not count"),
                     false => format!("`{name}` is no line, so it has no pulses and no direction"),
                 };
-                super::meant(Err(why), out);
+                super::meant(
+                    Err(why),
+                    "name a line such as \"%QX0.0\", or a whole number that counts its pulses",
+                    out,
+                );
             }
         }
     }

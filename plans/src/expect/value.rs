@@ -18,6 +18,7 @@ use super::equal::{EqualOperand, read_pair};
 use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::codes;
 use crate::lang::{Anchor, Literal};
+use crate::meaning::what_to_write;
 use crate::monitor::reading::{Candidate, ValueReader};
 use crate::monitor::{
     CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, Truth, UncertainInstant,
@@ -73,7 +74,12 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceCl
     let when = at.or(when)?;
     if !fields.has("near") {
         if let Some(node) = fields.get("tolerance") {
-            cx.out.bad(codes::CLAIM, node, "`tolerance` has no meaning without `near`", "");
+            cx.out.bad(
+                codes::CLAIM,
+                node,
+                "`tolerance` has no meaning without `near`",
+                "write near = VALUE beside it, or remove it",
+            );
             return None;
         }
         let condition = ValueCondition::read(fields, None, cx)?;
@@ -81,7 +87,12 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceCl
     }
     if let Some(key) = ["is", "one-of", "min", "max"].into_iter().find(|key| fields.has(key)) {
         let node = fields.get(key)?;
-        cx.out.bad(codes::CLAIM, node, format!("a value is wanted in two ways: `near` and `{key}`"), "");
+        cx.out.bad(
+            codes::CLAIM,
+            node,
+            format!("a value is wanted in two ways: `near` and `{key}`"),
+            "remove one of them",
+        );
         return None;
     }
     let node = fields.get("near")?;
@@ -112,7 +123,7 @@ impl TraceClaim for ValueClaim {
 
     fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         if let Some(info) = super::known(&self.signal, wiring, out) {
-            super::meant(self.condition.bind(info).map(drop), out);
+            super::meant(self.condition.bind(info).map(drop), &what_to_write(info), out);
         }
     }
 

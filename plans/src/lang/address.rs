@@ -17,7 +17,7 @@ pub(crate) fn address(node: &Node, text: &str, out: &mut Findings) -> Option<Add
                 node,
                 Some(at..text.trim_end().len().max(at)),
                 error.to_string(),
-                "",
+                "write an address such as %IX0.0, %QX0.4, %MW10 or %MX2.7",
             );
             None
         }
@@ -30,7 +30,7 @@ pub(crate) fn terminal(node: &Node, text: &str, area: Area, out: &mut Findings) 
     if address.area() != area || address.size() != Size::Bit {
         let example =
             if area == Area::Input { "an input such as \"%IX0.0\"" } else { "an output such as \"%QX0.4\"" };
-        out.bad(codes::ADDRESS, node, format!("`{text}` is not {example}"), "");
+        out.bad(codes::ADDRESS, node, format!("`{text}` is not {example}"), format!("write {example}"));
         return None;
     }
     Some(address)

@@ -47,6 +47,24 @@ pub enum LiteralFault {
     Kind,
 }
 
+impl LiteralFault {
+    /// What to write in its place.
+    pub const fn help(self) -> &'static str {
+        match self {
+            LiteralFault::Empty | LiteralFault::Unreadable => {
+                "write a number such as 42 or 1.5, true, \"16#0010\", \"T#500ms\", \"24 V\" or a state such as \"RUNNING\""
+            }
+            LiteralFault::Digits => {
+                "round it: write at most 30 digits, as in 0.123456789012345678901234567890; a number such as \"16#FF\" has digits of its base and at most 64 bits"
+            }
+            LiteralFault::Duration => "write \"T#500ms\", or \"500 ms\"",
+            LiteralFault::Kind => {
+                "write true, a number such as 42, or a text in quotes such as \"24 V\" or \"RUNNING\""
+            }
+        }
+    }
+}
+
 impl Literal {
     /// TRUE.
     pub const TRUE: Literal = Literal::Value(Value::Bool(true));
@@ -97,7 +115,7 @@ impl Literal {
         match Literal::of(node) {
             Ok(literal) => Some(literal),
             Err(fault) => {
-                out.bad(codes::VALUE, node, format!("the value does not read: {fault}"), "");
+                out.bad(codes::VALUE, node, format!("the value does not read: {fault}"), fault.help());
                 None
             }
         }

@@ -134,13 +134,19 @@ fn replace(node: &Node, text: &str, bindings: &Bindings<'_>, out: &mut Findings)
             Data::Bool(on) => result.push_str(if *on { "true" } else { "false" }),
             Data::Array(_) | Data::Table(_) => {
                 let message = format!("`${name}` is {}: it cannot stand inside a text", value.kind());
-                out.bad_inside(codes::REFERENCE_FORM, node, Some(dollar..at), message, "");
+                out.bad_inside(
+                    codes::REFERENCE_FORM,
+                    node,
+                    Some(dollar..at),
+                    message,
+                    "let it stand alone, or give it a number or text",
+                );
                 return node.clone();
             }
         }
         if result.len() > MAX_TEXT_BYTES {
             let message = format!("with its references the text is longer than {MAX_TEXT_BYTES} bytes");
-            out.bad(codes::REFERENCE_FORM, node, message, "");
+            out.bad(codes::REFERENCE_FORM, node, message, "give the names shorter values");
             return node.clone();
         }
         origin = Some(Box::new(ValueOrigin { name: name.to_owned(), span: place.clone(), whole: false }));

@@ -26,6 +26,7 @@ use crate::expect::band::{NEVER_NEGATIVE, WHOLE_PART, figure};
 use crate::expect::profile::ShapedTrain;
 use crate::expect::train::TrainLines;
 use crate::lang::{Anchor, Literal};
+use crate::meaning::what_to_write;
 use crate::monitor::edges::CountedEdge;
 use crate::monitor::jitter::JitterQuery;
 use crate::monitor::{CaseTimeline, NotJudged, NumberLimits, PulseRule, TraceSignals, UnseenPulses};
@@ -361,7 +362,11 @@ impl Measurement {
                 MeasuredQuantity::Value { .. } => info = known.clone(),
                 MeasuredQuantity::Over { figure, .. } => match figure.info(known) {
                     Ok(asked) => info = asked,
-                    Err(why) => return crate::expect::meant(Err(why), out),
+                    Err(why) => {
+                        let help =
+                            "name a signal of which this can be taken: a line, or a variable with a number";
+                        return crate::expect::meant(Err(why), help, out);
+                    }
                 },
                 MeasuredQuantity::Position { train, .. } => {
                     train.check(wiring, out);
@@ -374,7 +379,13 @@ impl Measurement {
                 MeasuredQuantity::Between { .. } | MeasuredQuantity::ToEdge { .. } => {}
             }
         }
-        crate::expect::meant(gauge::LimitNumbers::new(&self.limits, &info).map(drop), out);
+        let ordered = if self.limits.min.is_some() && self.limits.max.is_some() {
+            ", `min` no greater than `max`"
+        } else {
+            ""
+        };
+        let help = format!("{}{ordered}", what_to_write(&info));
+        crate::expect::meant(gauge::LimitNumbers::new(&self.limits, &info).map(drop), &help, out);
     }
 
     /// Starts measuring.

@@ -83,7 +83,12 @@ pub(super) fn row_names(node: &Node, rows: &BTreeSet<&str>, out: &mut Findings) 
     }
     for one in list {
         let Some(name) = one.as_text() else {
-            out.error(codes::WRONG_TYPE, one.span.clone(), "the name of a row is a text", "");
+            out.error(
+                codes::WRONG_TYPE,
+                one.span.clone(),
+                "the name of a row is a text",
+                "write rows = [\"NAME\"]",
+            );
             continue;
         };
         if !rows.contains(name) {

@@ -210,7 +210,12 @@ impl<'d> Expander<'d, '_> {
         places.extend(call.places.iter().cloned());
         if depth >= DEEPEST {
             let message = format!("groups run each other more than {DEEPEST} deep");
-            out.error(codes::RECURSION, node.span.clone(), message, "");
+            out.error(
+                codes::RECURSION,
+                node.span.clone(),
+                message,
+                "run the steps of the innermost groups directly",
+            );
             return;
         }
         let Some(turns) = turns(&node) else {

@@ -54,7 +54,7 @@ fn few<'n>(fields: &Fields<'n>, key: &str, out: &mut Findings) -> &'n [Node] {
     const MOST: usize = 500;
     let list = fields.each(key);
     if let Some(node) = list.get(MOST) {
-        out.bad(codes::TOO_LARGE, node, format!("`{key}` has more than {MOST} entries"), "");
+        out.bad(codes::TOO_LARGE, node, format!("`{key}` has more than {MOST} entries"), "split the plan");
         return &[];
     }
     list
@@ -70,7 +70,8 @@ pub(super) fn needs(fields: &Fields<'_>, out: &mut Findings) -> Vec<Need> {
             Ok(need) => list.push(need),
             Err((at, fault)) => {
                 let message = format!("`{text}` is no need: {fault}");
-                out.bad_inside(codes::NEED, node, Some(at..text.len()), message, "");
+                let help = "write one as in \"memory-access\", \"pulse >= 200 kHz\" or \"timestamp <= 0.5 us\"";
+                out.bad_inside(codes::NEED, node, Some(at..text.len()), message, help);
             }
         }
     }

@@ -145,7 +145,12 @@ fn arg(entry: &Entry, out: &mut Findings) -> Option<Arg> {
         _ => Some(entry.node.clone()),
     };
     if let Some(fault) = fault {
-        out.error(codes::ARGUMENT, entry.key_span.clone(), format!("`{}` {fault}", entry.key), "");
+        out.error(
+            codes::ARGUMENT,
+            entry.key_span.clone(),
+            format!("`{}` {fault}", entry.key),
+            "write it as in args = { pause = \"10 ms\" }",
+        );
         return None;
     }
     if let Some(default) = &default

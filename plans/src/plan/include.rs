@@ -192,7 +192,7 @@ impl Gathering<'_> {
         };
         if self.joined.next() + text.len() > MOST_BYTES {
             let message = format!("a plan and what it includes have at most {MOST_BYTES} bytes");
-            out.bad(codes::TOO_LARGE, node, message, "");
+            out.bad(codes::TOO_LARGE, node, message, "include less, or split the plan");
             return None;
         }
         let file = SourceFile::new(path, text);
@@ -287,7 +287,7 @@ fn join(root: &mut Table, entry: &Entry, is_said: &dyn Fn(&str) -> bool, out: &m
     let Data::Table(known) = &mut root.entries[at].node.data else { return };
     let Some(more) = entry.node.as_table() else {
         let message = format!("`{}` is {}, not a table", entry.key, entry.node.kind());
-        out.bad(codes::WRONG_TYPE, &entry.node, message, "");
+        out.bad(codes::WRONG_TYPE, &entry.node, message, format!("write {} = {{ ... }}", entry.key));
         return;
     };
     for one in &more.entries {

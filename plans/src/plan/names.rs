@@ -153,21 +153,24 @@ impl CaseNames<'_> {
         };
         let fault = match (&anchor.base, facts.pulses, facts.times) {
             (AnchorBase::Pulse { .. }, None, _) => {
-                Some((codes::UNKNOWN_ANCHOR, format!("the step `{id}` emits no train of pulses")))
+                let help = format!("write `{id}`, or name a step with a `train`");
+                Some((codes::UNKNOWN_ANCHOR, format!("the step `{id}` emits no train of pulses"), help))
             }
             (AnchorBase::Pulse { n, .. }, Some(count), _) if *n > count => {
-                Some((codes::UNKNOWN_ANCHOR, format!("the train `{id}` has {count} pulses, not {n}")))
+                let message = format!("the train `{id}` has {count} pulses, not {n}");
+                Some((codes::UNKNOWN_ANCHOR, message, format!("write a pulse from 1 to {count}")))
             }
             (AnchorBase::Occurrence { .. }, _, None) => {
-                Some((codes::OCCURRENCE, format!("the step `{id}` comes once")))
+                Some((codes::OCCURRENCE, format!("the step `{id}` comes once"), format!("write `{id}`")))
             }
             (AnchorBase::Occurrence { n, .. }, _, Some(times)) if *n > times => {
-                Some((codes::OCCURRENCE, format!("the step `{id}` comes at most {times} times, not {n}")))
+                let message = format!("the step `{id}` comes at most {times} times, not {n}");
+                Some((codes::OCCURRENCE, message, format!("write a number from 1 to {times}")))
             }
             _ => None,
         };
-        if let Some((code, message)) = fault {
-            out.bad_inside(code, node, place, message, "");
+        if let Some((code, message, help)) = fault {
+            out.bad_inside(code, node, place, message, help);
             return None;
         }
         Some(Anchor { base: anchor.base.of_step(full), offset: anchor.offset })

@@ -411,7 +411,11 @@ fn task(name: &str, table: &Table, out: &mut Findings) -> TaskSettings {
     let fields = Fields::checked(table, TASK_KEYS);
     for key in ["interval", "watchdog"] {
         if let (Some(Span::ZERO), Some(node)) = (fields.duration(key), fields.get(key)) {
-            let help = if key == "watchdog" { "write `enabled = false` to switch it off" } else { "" };
+            let help = if key == "watchdog" {
+                "write `enabled = false` to switch it off"
+            } else {
+                "write it as in interval = \"10 ms\""
+            };
             out.bad(codes::SETTING, node, format!("`{key}` is 0"), help);
         }
     }

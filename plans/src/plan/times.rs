@@ -215,7 +215,12 @@ impl TimeChain<'_, '_> {
             place = place.and_then(|base| self.add(base, at));
             if place.is_some_and(|place| place.nanos.abs() > FURTHEST) {
                 let node = self.node(at);
-                out.bad(codes::STEP_TIME, node, "the instant is further than 100 years away", "");
+                out.bad(
+                    codes::STEP_TIME,
+                    node,
+                    "the instant is further than 100 years away",
+                    "write an earlier one",
+                );
                 place = None;
             }
             self.marks[at] = VisitMark::Done(place);
@@ -376,7 +381,12 @@ impl TimeChain<'_, '_> {
             let most = i128::from(step.repeat.as_ref().map_or(0, StepRepeat::times));
             if place.nanos <= from.nanos {
                 let message = "the step would never come: `until` is not later than `at`";
-                out.bad(codes::REPEAT, node, message, "");
+                out.bad(
+                    codes::REPEAT,
+                    node,
+                    message,
+                    "write an `until` after `at`, as in until = \"start + 10 s\"",
+                );
             } else if times >= most {
                 let message = format!("the step would come {times} times; {most} is the most");
                 out.bad(codes::REPEAT, node, message, "a train has many pulses");

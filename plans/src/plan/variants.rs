@@ -301,14 +301,20 @@ fn plain(node: &Node, out: &mut Findings) -> bool {
             return list.iter().all(|one| {
                 let scalar = !matches!(one.data, Data::Array(_));
                 if !scalar {
-                    out.error(codes::ROWS, one.span.clone(), "a list in a list", "");
+                    out.error(
+                        codes::ROWS,
+                        one.span.clone(),
+                        "a list in a list",
+                        "write one list of numbers or texts",
+                    );
                 }
                 scalar && plain(one, out)
             });
         }
         _ => return true,
     };
-    out.error(codes::ROWS, node.span.clone(), fault, "");
+    let help = "write true, a number, a text in quotes, or a short list of such";
+    out.error(codes::ROWS, node.span.clone(), fault, help);
     false
 }
 
@@ -331,7 +337,7 @@ fn sweep(entry: &Entry, out: &mut Findings) -> Option<NamedValues> {
         }
     };
     if values.is_empty() {
-        return bad(out, "the sweep has no values", "");
+        return bad(out, "the sweep has no values", "write { values = [1, 2] }");
     }
     if !values.iter().all(|value| plain(value, out)) {
         return None;
@@ -380,7 +386,12 @@ fn points(from: &Node, to: &Node, step: &Node, out: &mut Findings) -> Option<Vec
             (true, false, _) => Some(Data::Float(number.to_string())),
         };
         let (Some(data), Some(next)) = (data, number.plus(by.number)) else {
-            out.error(codes::SWEEP, from.span.clone(), "too many digits", "");
+            out.error(
+                codes::SWEEP,
+                from.span.clone(),
+                "too many digits",
+                "round `from` and `step`: their sums have at most 30 digits",
+            );
             return None;
         };
         values.push(Node::new(from.span.clone(), data));
@@ -445,7 +456,8 @@ fn parameter(entry: &Entry, given: &[(String, String)], out: &mut Findings) -> O
     if text.len() > MAX_VALUE_BYTES || has_reference(&value) {
         let message =
             format!("the value that the command line gives `{}` is too long or holds a `$`", entry.key);
-        out.error(codes::PARAMETER, default.span.clone(), message, "");
+        let help = "give it a shorter value, without a `$`";
+        out.error(codes::PARAMETER, default.span.clone(), message, help);
         return None;
     }
     Some(NamedValues { name: entry.key.clone(), values: vec![value], place: None })

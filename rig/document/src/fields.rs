@@ -198,7 +198,7 @@ pub fn check_value(node: &Node, what: &str, ty: &KeyType, out: &mut Findings) ->
             let fits = (*min..=*max).contains(number);
             if !fits {
                 let message = format!("`{what}` is {number}; expected {}", ty.describe());
-                out.bad(out.codes().unreadable, node, message, "");
+                out.bad(out.codes().unreadable, node, message, format!("write {}", ty.example()));
             }
             fits
         }
@@ -273,7 +273,7 @@ fn not_empty(node: &Node, what: &str, text: &str, ty: &KeyType, out: &mut Findin
     let right = matches!(ty, KeyType::Value) || !text.trim().is_empty();
     if !right {
         let message = format!("`{what}` is empty; expected {}", ty.describe());
-        out.bad(out.codes().unreadable, node, message, "");
+        out.bad(out.codes().unreadable, node, message, format!("write {}", ty.example()));
     }
     right
 }
@@ -343,7 +343,13 @@ fn wrong_type(node: &Node, what: &str, ty: &KeyType, out: &mut Findings) -> bool
         Data::Array(list) if list.is_empty() && matches!(ty, KeyType::OneOrMore(_)) => {
             "an empty list says nothing: remove the key".into()
         }
-        _ => String::new(),
+        Data::Integer(number) if matches!(ty, KeyType::Text) => format!("write \"{number}\""),
+        Data::Float(text) if matches!(ty, KeyType::Text) => format!("write \"{text}\""),
+        Data::Bool(on) if matches!(ty, KeyType::Text) => format!("write \"{on}\""),
+        Data::Integer(number) if matches!(ty, KeyType::Anchor) => {
+            format!("write \"start + {number} s\", or an instant of a step such as \"press + {number} ms\"")
+        }
+        _ => format!("write {}", ty.example()),
     };
     let message = format!("`{what}` is {}; expected {}", node.kind(), ty.describe());
     out.bad(out.codes().wrong_type, node, message, help);

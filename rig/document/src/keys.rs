@@ -74,6 +74,30 @@ pub enum KeyType {
 }
 
 impl KeyType {
+    /// What to write for such a value, with an example: fits after `write`.
+    pub fn example(&self) -> String {
+        match self {
+            KeyType::Text => "a text in quotes, as in \"...\"".into(),
+            KeyType::SignalRef => "the name of a signal in quotes, as in \"lamp\" or \"%IX0.0\"".into(),
+            KeyType::Integer(min, max) => {
+                format!("{} without quotes, such as {}", self.describe(), 1.clamp(*min, *max))
+            }
+            KeyType::Number => "a number without quotes, such as 1.5".into(),
+            KeyType::List(inner) => format!("[ ... ], each entry {}", inner.example()),
+            KeyType::OneOrMore(inner) => inner.example(),
+            KeyType::Table(keys) => {
+                let names: Vec<&str> = keys.iter().map(|key| key.name).collect();
+                format!("{}; its keys are {}", self.describe(), names.join(", "))
+            }
+            KeyType::Map(_) => format!("{}, as in {{ name = ... }}", self.describe()),
+            KeyType::Either(types) => {
+                let all: Vec<String> = types.iter().map(KeyType::example).collect();
+                all.join(", or ")
+            }
+            _ => self.describe(),
+        }
+    }
+
     /// What is expected, with an example: fits after `expected`.
     pub fn describe(&self) -> String {
         match self {

@@ -18,7 +18,7 @@ const MAX_DEPTH: usize = 24;
 /// Checks the tokens. `false` if the file must not be parsed at all.
 pub(crate) fn check(file: &SourceFile, out: &mut Findings) -> bool {
     if file.text.len() > MAX_BYTES {
-        let help = "a plan or board file is at most 1 MiB; split it";
+        let help = "a TOML file has at most 1 MiB: split it, or leave out what it does not need";
         out.error(out.codes().too_large, 0..0, "the file is larger than 1 MiB", help);
         return false;
     }
@@ -101,7 +101,7 @@ impl State {
         }
         if self.open.len() > MAX_DEPTH || self.dots > MAX_DEPTH {
             let message = format!("nested deeper than {MAX_DEPTH} levels");
-            out.error(out.codes().too_large, span, message, "plans and boards need two levels: flatten it");
+            out.error(out.codes().too_large, span, message, "no file needs so many levels: flatten it");
             return false;
         }
         true

@@ -61,7 +61,8 @@ pub fn wires(
             let described = instrument.channel(&channel.name);
             // A threshold of the command line rules over that of the file.
             let is_told = wire.threshold.is_some() || is_always_off(capture, wire.channel);
-            found.extend(described.and_then(|of| misdescribed(channel, info, of, is_told)));
+            let wrong = described.and_then(|of| Some((of, misdescribed(channel, info, of, is_told)?)));
+            found.extend(wrong.map(|(of, wrong)| wrong.at(&instrument.name, of.place.clone(), "")));
             *wire = wire.described(info, instrument, &channel.name);
         }
         // A column of zeros and ones may be numbers as well.
@@ -104,11 +105,20 @@ fn misdescribed(
             format!("remove `accuracy` of `{name}`, or map it to a real number"),
         );
     }
+    // Bits have no unit, which nobody could compare with anything.
+    if line && !is_told && !of.unit.is_empty() && channel.shape == ChannelType::Bit && channel.unit.is_empty()
+    {
+        return misfit(
+            format!("`{name}` has bits in the capture and the unit {} in the instrument file", of.unit),
+            format!("remove `unit` of `{name}`"),
+        );
+    }
     let given = match channel.unit.is_empty() {
         true if info.kind == ValueKind::Real => &info.unit,
         _ => &channel.unit,
     };
-    let counts = has_errors || line && of.threshold.is_some();
+    // Without figures nothing is computed in it, and it would be wrong in the report all the same.
+    let counts = has_errors || line && of.threshold.is_some() || !of.unit.is_empty();
     if counts && !given.is_empty() && Unit::new(given) != Unit::new(&of.unit) {
         let own = if of.unit.is_empty() { "no unit" } else { &of.unit };
         return misfit(
@@ -141,12 +151,14 @@ pub fn unknown_channels(
     let free = capture.channels.iter().map(|channel| channel.name.as_str());
     let free: Vec<&str> = free.filter(|name| instrument.channel(name).is_none()).collect();
     let (mut found, mut strange) = (Vec::new(), Vec::new());
-    for name in instrument.channels.iter().map(|channel| &channel.name).filter(|name| !has(name)) {
+    for channel in instrument.channels.iter().filter(|channel| !has(&channel.name)) {
+        let name = &channel.name;
         match suggest(name, free.iter().copied()) {
             Some(near) => {
-                let message = format!("{}: the capture has no channel `{name}`", instrument.name);
+                let message = format!("the capture has no channel `{name}`");
                 let help = format!("write `{near}`, or remove the channel from the file");
-                found.push(Diagnostic::error("R0213", message).help(help));
+                let wrong = Diagnostic::error("R0213", message).help(help);
+                found.push(wrong.at(&instrument.name, channel.place.clone(), ""));
             }
             None => strange.push(name.clone()),
         }
