@@ -89,6 +89,8 @@ pub enum LogEntry {
         /// Messages of this port that were not sent so far for this reason.
         dropped: u64,
     },
+    /// The last power cycle is longer ago than the documents allow (controller:RB-05).
+    PowerCycleDue,
     /// The supply was interrupted.
     SupplyLost,
     /// The supply came back within the hold-up time (controller:HW-08, controller:HW-09).

@@ -17,6 +17,8 @@ pub(crate) struct Power {
     pub script: bool,
     /// The firmware in non-volatile memory is valid.
     pub firmware: bool,
+    /// When a power cycle is due (controller:RB-05).
+    pub cycle_due: Option<Time>,
     /// The boot application is being saved until then.
     pub creating: Option<Time>,
     /// The Run/Stop switch is at Run.
@@ -37,6 +39,7 @@ impl Power {
             needs_power_cycle: false,
             script: false,
             firmware: true,
+            cycle_due: None,
             creating: None,
             switch_at_run: true,
             refresh: None,
@@ -47,7 +50,7 @@ impl Power {
     /// When something here is due; [`Time::MAX`] for never.
     pub(crate) fn next(&self) -> Time {
         let stage = self.stage.map(|(_, end)| end);
-        let times = [self.hold_up, self.refresh, stage, self.creating];
+        let times = [self.hold_up, self.refresh, stage, self.cycle_due, self.creating];
         times.into_iter().flatten().min().unwrap_or(Time::MAX)
     }
 

@@ -171,6 +171,15 @@ impl Profile {
         }
     }
 
+    /// After how long without a power cycle the controller warns that one is due, none where the documents ask for none
+    /// (controller:RB-05).
+    pub const fn longest_without_power_cycle(self) -> Option<Span> {
+        match self {
+            Profile::M241_2014 => None,
+            Profile::M241_2019 | Profile::M251_2024 => Some(Span::from_secs(365 * 86_400)),
+        }
+    }
+
     /// The highest frequency of a regular input in Hz (controller:HW-03, io:REF-03), none without embedded inputs.
     pub const fn regular_input_hertz(self) -> Option<u32> {
         match self {

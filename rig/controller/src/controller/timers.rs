@@ -3,12 +3,12 @@
 use super::Controller;
 use crate::module::IoModule;
 use crate::probes::class;
-use crate::{Effects, State};
+use crate::{Effects, LogEntry, State};
 use signal::{Cause, Time};
 
 impl Controller {
     /// The earliest instant at which something is due: a watchdog, the end of the hold-up time, a step of the boot,
-    /// the end of a save, protection, something of an expert function, an edge at a terminal or behind the filter of an input that is acted on at once,
+    /// a power cycle, the end of a save, protection, something of an expert function, an edge at a terminal or behind the filter of an input that is acted on at once,
     /// a release, default values, an update in STOPPED, a flash, something at a port. It changes with every call of another method.
     pub fn next_timer(&self) -> Option<Time> {
         let mut next =
@@ -24,7 +24,7 @@ impl Controller {
     }
 
     /// Lets everything happen that is due at `now`, in this order: task watchdogs by priority, system watchdogs, end of
-    /// the hold-up time, edges of inputs, boot step, boot application saved, end of a save, expert functions, protection, edges at
+    /// the hold-up time, edges of inputs, boot step, warning of a power cycle, boot application saved, end of a save, expert functions, protection, edges at
     /// terminals by number, tasks that wake, releases by priority, events, default values after initialization values,
     /// update in STOPPED, flashes of indicators, ports. [`Controller::run`] must have come to `now` before.
     pub fn fire(&mut self, now: Time, fx: &mut Effects) {
@@ -40,6 +40,10 @@ impl Controller {
             && end <= now
         {
             self.next_stage(stage, now, fx);
+        }
+        if self.power.cycle_due.is_some_and(|at| at <= now) {
+            self.power.cycle_due = None;
+            self.log_entry(now, LogEntry::PowerCycleDue, fx);
         }
         if self.power.creating.is_some_and(|end| end <= now) {
             self.complete_boot_application();

@@ -34,6 +34,8 @@ impl Controller {
             self.clear_errors(None);
             self.system.stop_cause = LastState::load(self.files.store()).stop_cause;
             self.boot(now, fx);
+            let longest = self.config.profile.longest_without_power_cycle();
+            self.power.cycle_due = longest.map(|longest| now.saturating_add(longest));
         }
     }
 
@@ -54,6 +56,7 @@ impl Controller {
         self.system.dates.off = self.system.rtc.date(now);
         self.power.hold_up = None;
         self.power.stage = None;
+        self.power.cycle_due = None;
         self.cut_modules(now);
         self.enter(State::Off, now, fx);
     }

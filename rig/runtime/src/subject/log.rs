@@ -68,6 +68,7 @@ pub fn show(entry: &LogEntry, names: Option<&Catalogue>) -> String {
                 "{port}: its endpoint sends more than waits there; {dropped} messages were not sent so far"
             )
         }
+        LogEntry::PowerCycleDue => String::from("a power cycle is due: the last one was 365 days ago"),
         LogEntry::SupplyLost => String::from("the supply was interrupted"),
         LogEntry::SupplyBack => String::from("the supply came back within the hold-up time"),
     }
