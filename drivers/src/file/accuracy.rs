@@ -46,7 +46,9 @@ pub fn accuracy(fields: &Fields, unit: &str, codes: AccuracyCodes, out: &mut Fin
         of_value: percent("of-value", out)?,
         of_range: percent("of-range", out)?,
         plus: inner.get("plus").map_or(Some(0.0), |node| width(node, unit, codes, out))?,
-        coverage: coverage(&inner, codes, out)?,
+        coverage: inner
+            .get("coverage")
+            .map_or(Some(Coverage::default()), |node| coverage(node, codes, out))?,
     })
 }
 
@@ -100,9 +102,8 @@ pub fn quantity(node: &Node, unit: &str, codes: AccuracyCodes, out: &mut Finding
     number::quantity_under(node, unit, codes.unit, out)
 }
 
-/// The key `coverage` of a table. `None` where it is wrong, which is reported.
-pub fn coverage(fields: &Fields, codes: AccuracyCodes, out: &mut Findings) -> Option<Coverage> {
-    let Some(node) = fields.get("coverage") else { return Some(Coverage::default()) };
+/// What a statement covers. `None` where it does not say so, which is reported.
+pub fn coverage(node: &Node, codes: AccuracyCodes, out: &mut Findings) -> Option<Coverage> {
     let read = node.as_text().and_then(Coverage::parse);
     if read.is_none() {
         let help = "write \"limits\" for a bound that is never passed, a probability such as \"95 %\", or a factor such as \"k = 2\"";

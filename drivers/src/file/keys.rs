@@ -151,6 +151,16 @@ pub(super) const BOARD: &[KeySpec] = &[
         "What a lost device does to the case: \"end\" on real lines, \"go-on\" on a simulated board if left out",
     ),
     KeySpec::optional(
+        "clock-error",
+        KeyType::Quantity,
+        "How far the rate of the clock that stamps all changes may be off, either way, as in \"25 ppm\"; 0",
+    ),
+    KeySpec::optional(
+        "clock-coverage",
+        KeyType::Text,
+        "What `clock-error` covers: \"limits\", a probability as in \"95 %\", or a factor as in \"k = 2\"; \"limits\"",
+    ),
+    KeySpec::optional(
         "check",
         KeyType::Table(CHECK),
         "A wire from an output to an input by which the rig checks itself before each run",

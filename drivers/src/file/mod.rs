@@ -4,6 +4,7 @@ pub mod accuracy;
 mod bench;
 mod buses;
 mod check;
+pub mod clock;
 pub(crate) mod control;
 mod devices;
 mod guard;
@@ -16,6 +17,7 @@ mod real;
 mod realtime;
 mod relays;
 mod sim_buses;
+pub mod statements;
 mod subject;
 
 use document::Diagnostic;
@@ -31,11 +33,13 @@ use crate::{Board, BoardContext, ChannelId, LoopbackPair, RealtimeSettings, Simu
 
 use crate::codes;
 pub use crate::codes::CODES;
+pub use clock::BoardClock;
 pub use control::{ControlSettings, OnDisconnect};
 pub use guard::{Bite, GuardSettings, WatchdogSettings};
 pub use keys::KEYS;
 pub use ports::{PortBinding, SubjectPort, SubjectPortKind};
 pub use read::read;
+pub use statements::Statement;
 pub use subject::{External, Subject, SubjectLines};
 
 /// The terminals of a controller that a board can be bound to, in the order of their numbers, and its ports.
@@ -120,6 +124,10 @@ pub struct BoardFile {
     pub guard: GuardSettings,
     /// How punctual a run on real lines has to be.
     pub realtime: RealtimeSettings,
+    /// The clock that stamps what the board sees.
+    pub clock: BoardClock,
+    /// What the file states of the errors of what the board sees, in its order.
+    pub statements: Vec<Statement>,
     /// What becomes of a case that loses a device.
     pub on_loss: OnLoss,
     /// How the control socket is served while it is kept running.
@@ -157,6 +165,8 @@ impl BoardFile {
             disturbance: None,
             guard: GuardSettings::default(),
             realtime: RealtimeSettings::default(),
+            clock: BoardClock::default(),
+            statements: Vec::new(),
             on_loss: OnLoss::default(),
             control: ControlSettings::default(),
         }

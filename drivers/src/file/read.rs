@@ -7,8 +7,8 @@ use super::devices::counter;
 use super::realtime::realtime;
 use super::subject::{subject, subject_lines};
 use super::{
-    BoardFile, BoardKind, OnLoss, Subject, Terminals, UnknownSubject, check, codes, control, guard, keys,
-    parts, ports, real, sim_buses,
+    BoardFile, BoardKind, OnLoss, Subject, Terminals, UnknownSubject, check, clock, codes, control, guard,
+    keys, parts, ports, real, sim_buses, statements,
 };
 
 /// Reads a board file. `terminals` says which terminals a subject has.
@@ -72,6 +72,10 @@ pub fn read(
         None if real => OnLoss::End,
         None => OnLoss::GoOn,
     };
+    if let Some(board) = &board {
+        bench.file.clock = clock::of_board(board, &mut out);
+    }
+    bench.file.statements = statements::of_board(&tree);
     bench.file.guard = guard::read(fields.inner("guard"), &mut out);
     bench.file.control = control::read(fields.inner("control"), &mut out);
     if real {

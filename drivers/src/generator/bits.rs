@@ -1,6 +1,6 @@
 //! Edges as the bits of a stream: what a line has to be sent, bit by bit, so that its edges come at given times.
 
-use signal::Span;
+use signal::{ClockError, Span};
 
 const SECOND: i128 = 1_000_000_000;
 
@@ -8,12 +8,19 @@ const SECOND: i128 = 1_000_000_000;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BitClock {
     hz: u32,
+    error: ClockError,
 }
 
 impl BitClock {
     /// So many bits a second, at least one.
     pub fn new(hz: u32) -> BitClock {
-        BitClock { hz: hz.max(1) }
+        BitClock { hz: hz.max(1), error: ClockError::NONE }
+    }
+
+    /// The same, and its rate may be off.
+    #[must_use]
+    pub fn off_by(self, error: ClockError) -> BitClock {
+        BitClock { error, ..self }
     }
 
     /// Bits a second.
@@ -32,7 +39,13 @@ impl BitClock {
         span(i128::from(bits) * SECOND / i128::from(self.hz))
     }
 
-    /// The same, rounded up.
+    /// How long so many bits last at the shortest, by what the rate may be off.
+    pub fn shortest(self, bits: u64) -> Span {
+        let lasts = self.lasts(bits);
+        lasts - self.error.of(lasts)
+    }
+
+    /// How long so many bits last, rounded up.
     pub fn lasts_at_least(self, bits: u64) -> Span {
         let (hz, whole) = (i128::from(self.hz), i128::from(bits) * SECOND);
         span((whole + hz - 1) / hz)
@@ -213,5 +226,15 @@ mod tests {
             (BitClock::new(3_000_000).period(), clock.period()),
             (Span::from_nanos(334), Span::from_micros(1))
         );
+    }
+
+    #[test]
+    fn a_clock_that_may_be_fast_may_take_less_for_its_bits() {
+        let clock = BitClock::new(1_000_000);
+        let fast = clock.off_by(ClockError::from_parts(100_000_000).unwrap());
+        assert_eq!(clock.shortest(20_000), Span::from_millis(20));
+        // 100 ppm of 20 ms: 2 us, and a little more for a clock that is fast by as much.
+        assert_eq!(fast.shortest(20_000), Span::from_nanos(20_000_000 - 2_001));
+        assert_eq!(fast.lasts(20_000), clock.lasts(20_000));
     }
 }

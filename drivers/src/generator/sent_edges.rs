@@ -33,7 +33,7 @@ impl SentStream {
     /// Reports the next edges, as many as that. Gives how many it reported.
     ///
     /// A bit cannot have come before those in front of it had their time since the call began, nor so late that those
-    /// after it had not theirs until it ended: the clock is not faster than it was set to, whatever else it is.
+    /// after it had not theirs until it ended: the clock is faster than it was set to by what it may be off at most.
     pub(super) fn report(
         &mut self,
         clock: BitClock,
@@ -55,10 +55,10 @@ impl SentStream {
     fn at(&self, clock: BitClock, layout: BitLayout, edge: Span, collector: &EventCollector<'_>) -> When {
         let SentPulses { before, after, bits } = self.sent;
         let bit = layout.lead.saturating_add(clock.bit(edge));
-        let earliest = before + clock.lasts(bit);
+        let earliest = before + clock.shortest(bit);
         // In some modes a bit begins half a period earlier against its clock than in others.
         let behind = bits.saturating_sub(bit.saturating_add(1));
-        let latest = (after - clock.lasts(behind)).max(earliest);
+        let latest = (after - clock.shortest(behind)).max(earliest);
         let at: [Time; 2] = [earliest, latest].map(|stamp| collector.time.at(stamp));
         When::within(at[0], at[1])
     }

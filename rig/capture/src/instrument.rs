@@ -3,14 +3,8 @@
 //! Every instant gets wider by all that its stamp may be off, rounded outwards: the instant itself lies within it.
 
 use crate::{Capture, Knowledge};
-use signal::{Span, Time, When};
+use signal::{ClockError, Span, Time, When};
 use std::collections::BTreeMap;
-
-/// The greatest relative error of a clock, in parts of 10^12: 10 %. Beyond it there is no clock.
-pub const MAX_RATE_ERROR: u64 = PARTS / 10;
-
-/// The parts that a relative error is counted in.
-const PARTS: u64 = 1_000_000_000_000;
 
 /// The errors of an instrument. By default it has none.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -24,9 +18,8 @@ pub struct InstrumentErrors {
 /// The errors of a clock that all channels are stamped by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TimebaseErrors {
-    /// How far the clock may be off, as a part of the time that it shows, in parts of 10^12 (25 ppm is 25 000 000); at
-    /// most [`MAX_RATE_ERROR`].
-    pub rate: u64,
+    /// How far its rate may be off.
+    pub rate: ClockError,
     /// What is subtracted from each stamp, so that it counts from the instant that a user names by a time.
     pub offset: Span,
     /// How far the offset may be off, either way; at least 0.
@@ -50,11 +43,6 @@ impl TimebaseErrors {
     /// An instant that the user names by a time of the capture: no stamp, so that only the offset may be off.
     pub fn named(&self, at: Time) -> When {
         widened(When::exactly(at), self.offset_error.as_nanos())
-    }
-
-    /// An instant as it may lie when the clock is off since `reference`, which itself may be anywhere in its interval.
-    pub fn drifted(&self, at: When, reference: When) -> When {
-        drifted(at, reference, self.rate)
     }
 }
 
@@ -97,17 +85,16 @@ impl Capture {
     }
 
     /// Widens the instants by what the clock may be off since `reference`, the instant that the case is laid at.
-    pub fn widen_by_rate(&mut self, reference: When, rate: u64) {
-        if rate == 0 {
+    pub fn widen_by_rate(&mut self, reference: When, rate: ClockError) {
+        if rate.is_none() {
             return;
         }
         for change in &mut self.changes {
-            change.at = drifted(change.at, reference, rate);
+            change.at = rate.drifted(change.at, reference);
         }
-        self.end = drifted(self.end, reference, rate);
+        self.end = rate.drifted(self.end, reference);
         if let Knowledge::Sampled(period) = &mut self.knowledge {
-            let longer = drift(period.as_nanos(), 0, rate);
-            *period = Span::from_nanos(period.as_nanos().saturating_add(longer));
+            *period = *period + rate.of(*period);
         }
         self.sort();
     }
@@ -127,33 +114,11 @@ fn widened(at: When, by: i64) -> When {
     )
 }
 
-/// The instant as it may lie when the clock is off by `rate` since `reference`, which itself may be anywhere in its interval.
-fn drifted(at: When, reference: When, rate: u64) -> When {
-    let farthest = |end: Time| {
-        let of = |start: Time| drift(end.as_nanos(), start.as_nanos(), rate);
-        Span::from_nanos(of(reference.earliest).max(of(reference.latest)))
-    };
-    let (before, after) = (farthest(at.earliest), farthest(at.latest));
-    When::within(at.earliest.saturating_add(-before), at.latest.saturating_add(after))
-}
-
-/// How far the time between two stamps may be off, rounded up, nanoseconds. A clock that is fast by a part `e` shows `1 + e`
-/// for each second, so of what it shows a part of at most `e / (1 - e)` is wrong.
-fn drift(one: i64, other: i64, rate: u64) -> i64 {
-    let rate = i128::from(rate.min(MAX_RATE_ERROR));
-    let rest = i128::from(PARTS) - rate;
-    let distance = (i128::from(one) - i128::from(other)).abs();
-    i64::try_from((distance * rate + rest - 1) / rest).unwrap_or(i64::MAX)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{CapturedChange, CapturedChannel, ChannelType};
-    use proptest::prelude::*;
     use signal::Value;
-
-    const PPM: u64 = 1_000_000;
 
     fn at(earliest: i64, latest: i64) -> When {
         When::within(Time::from_nanos(earliest), Time::from_nanos(latest))
@@ -192,7 +157,7 @@ mod tests {
                 offset_error: ns(7),
                 resolution: ns(10),
                 skew: ns(5),
-                rate: 0,
+                rate: ClockError::NONE,
             },
             channels: BTreeMap::from([("CH2".to_owned(), own)]),
         };
@@ -204,34 +169,5 @@ mod tests {
         assert_eq!(capture.knowledge, Knowledge::Edges(ns(11)));
         // The offset is what is not known of an instant that is named by a time.
         assert_eq!(errors.timebase.named(Time::from_nanos(50)), at(43, 57));
-    }
-
-    #[test]
-    fn a_clock_is_off_by_a_part_of_the_time_since_the_start() {
-        const S: i64 = 1_000_000_000;
-        let of = |one, other| drifted(at(one, one), at(other, other), 100 * PPM);
-        // 100 ppm of 10 s is 1 ms; a clock that is fast by it shows 1 ms / 0.9999 too much: 1 000 100.01 ns.
-        assert_eq!(of(12 * S, 2 * S), at(12 * S - 1_000_101, 12 * S + 1_000_101));
-        // Before the start as well.
-        assert_eq!(of(2 * S, 12 * S), at(2 * S - 1_000_101, 2 * S + 1_000_101));
-        assert_eq!(of(2 * S, 2 * S), at(2 * S, 2 * S));
-        // A start that may be earlier makes the distance longer.
-        assert_eq!(
-            drifted(at(10 * S, 10 * S), at(0, 5 * S), 100 * PPM).latest,
-            Time::from_nanos(10 * S + 1_000_101)
-        );
-        assert_eq!(drift(i64::MIN, i64::MAX, u64::MAX), 2_049_638_230_412_172_402);
-    }
-
-    proptest! {
-        // What the clock showed of a true time is within what is made of it.
-        #[test]
-        fn the_true_time_is_within(time in 0..1_000_000_000_000i64, rate in 0..=MAX_RATE_ERROR, part in -1.0..=1.0f64) {
-            let parts = (rate as f64 * part) as i128;
-            let shown = (i128::from(time) * (i128::from(PARTS) + parts) / i128::from(PARTS)) as i64;
-            // What it shows is cut to a nanosecond.
-            let known = drifted(at(shown, shown + 1), at(0, 0), rate);
-            prop_assert!(known.earliest.as_nanos() <= time && time <= known.latest.as_nanos(), "{known:?}");
-        }
     }
 }

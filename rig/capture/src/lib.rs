@@ -21,7 +21,7 @@ pub mod vcd;
 pub mod zip;
 
 pub use error::{CaptureError, CapturePlace};
-pub use instrument::{ChannelErrors, InstrumentErrors, MAX_RATE_ERROR, TimebaseErrors};
+pub use instrument::{ChannelErrors, InstrumentErrors, TimebaseErrors};
 pub use levels::{LevelRule, ReadingError};
 
 use signal::{Span, Value, When};

@@ -153,7 +153,7 @@ pub struct CaseRecord {
     /// The board as the user named it; empty for the default board.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub board: String,
-    /// The instrument that recorded it, where that is another than the rig and has a file.
+    /// The instrument that recorded it, where it has a file that states an error: another than the rig, or the board.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub instrument: Option<InstrumentRecord>,
     /// What it was made from.

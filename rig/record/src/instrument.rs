@@ -1,8 +1,8 @@
-//! What an instrument says of its own errors, beside the verdicts that rest on it.
+//! What an instrument, or a board, says of its own errors, beside the verdicts that rest on it.
 
 use serde::{Deserialize, Serialize};
 
-/// The instrument that recorded what a case was judged by, as its file describes it.
+/// The instrument that recorded what a case was judged by, as its file describes it: that of a capture, or the board itself.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct InstrumentRecord {
@@ -16,11 +16,11 @@ pub struct InstrumentRecord {
     pub statements: Vec<InstrumentStatement>,
 }
 
-/// One statement of an instrument file.
+/// One statement of an instrument file or a board file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct InstrumentStatement {
-    /// What it is of: `timebase`, or the name of a channel.
+    /// What it is of: `timebase` or `board`, or the name of a device or a channel.
     pub of: String,
     /// The key: `resolution`, `accuracy.plus`.
     pub key: String,

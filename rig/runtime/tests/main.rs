@@ -2,6 +2,7 @@
 
 mod allocation;
 mod bindings;
+mod board_clock;
 mod checks;
 mod common;
 mod determinism;

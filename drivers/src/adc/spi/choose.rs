@@ -11,6 +11,7 @@ use super::{
 use crate::adc::SampleSpec;
 use crate::codes;
 use crate::refusal::Refusal;
+use signal::ClockError;
 
 /// A part that the rig can read.
 pub type AdcPart = &'static dyn Codec;
@@ -31,6 +32,8 @@ pub struct SpiSpec {
     pub part: AdcPart,
     /// Clock rate, in Hz.
     pub speed: u32,
+    /// How far that may be off.
+    pub clock_error: ClockError,
     /// SPI mode, 0 to 3.
     pub mode: u8,
     /// Its reference, in volts.
@@ -41,7 +44,8 @@ pub struct SpiSpec {
 
 impl PartialEq for SpiSpec {
     fn eq(&self, other: &SpiSpec) -> bool {
-        let key = |spec: &SpiSpec| (spec.path.clone(), spec.speed, spec.mode, spec.oversample);
+        let key =
+            |spec: &SpiSpec| (spec.path.clone(), spec.speed, spec.clock_error, spec.mode, spec.oversample);
         key(self) == key(other)
             && self.reference == other.reference
             && std::ptr::addr_eq(self.part, other.part)
@@ -117,7 +121,15 @@ mod tests {
     fn spec(name: &str, manual: bool) -> SpiSpec {
         let part = part(name, manual).unwrap();
         let reference = part.reference().unwrap_or(3.3);
-        SpiSpec { path: "/dev/spidev0.0".into(), part, speed: 1_000_000, mode: 0, reference, oversample: 1 }
+        SpiSpec {
+            path: "/dev/spidev0.0".into(),
+            part,
+            speed: 1_000_000,
+            clock_error: ClockError::NONE,
+            mode: 0,
+            reference,
+            oversample: 1,
+        }
     }
 
     fn sample(input: FindInput, range: Option<(f64, f64)>) -> SampleSpec {

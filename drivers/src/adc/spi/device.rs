@@ -81,9 +81,7 @@ pub fn open(converter: &AdcSpec, spec: &SpiSpec, inputs: &[SampleSpec]) -> Resul
         oversample,
         chunk,
         frame,
-        lasts: Span::from_nanos(
-            frame as i64 * i64::from(WORD) * 1_000_000_000 / i64::from(spec.speed.max(1)),
-        ),
+        lasts: shortest(frame as i64 * i64::from(WORD), spec),
         sent: sent.collect(),
         answers: vec![0; chunk * frame],
         sweep,
@@ -124,6 +122,12 @@ pub(crate) fn claim(path: &Path) -> Result<Spidev, Refusal> {
     // Only a device of this kind answers.
     spi.query_configuration().map_err(|_| no_device())?;
     Ok(spi)
+}
+
+/// How long so many bits last at least, by what the clock of the bus may be off.
+fn shortest(bits: i64, spec: &SpiSpec) -> Span {
+    let lasts = Span::from_nanos(bits * 1_000_000_000 / i64::from(spec.speed.max(1)));
+    lasts - spec.clock_error.of(lasts)
 }
 
 /// Mode, speed and bits as the file wants them, seen to be so. On failure what was not taken.

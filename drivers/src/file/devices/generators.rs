@@ -8,6 +8,7 @@ use signal::{Area, Span, Value};
 use super::lines::OF_LINE;
 use super::{Bench, DeviceReader, adc, channels, codes, keys, number};
 use crate::ChannelId;
+use crate::file::clock::of_device;
 use crate::generator::{
     BUFFER, BitClock, FindPwm, GeneratorKind, GeneratorSpec, GeneratorsSpec, OutputSpec, PwmSpec, StreamSpec,
 };
@@ -33,7 +34,7 @@ const USUAL: u32 = 1_000_000;
 const LONGEST: Span = Span::from_nanos(i32::MAX as i64);
 
 /// Keys of the one kind and of the other.
-const OF_STREAM: &[&str] = &["mode", "lsb-first", "buffer"];
+const OF_STREAM: &[&str] = &["clock-error", "mode", "lsb-first", "buffer"];
 const OF_PWM: &[&str] = &["name", "label", "shortest", "longest"];
 
 /// Whether a channel has its pulses from a generator.
@@ -109,7 +110,7 @@ fn stream(
     };
     Some(GeneratorKind::Stream(StreamSpec {
         path: path.into(),
-        clock: clock.unwrap_or(BitClock::new(USUAL)),
+        clock: clock.unwrap_or(BitClock::new(USUAL)).off_by(of_device(fields, out)),
         mode: fields.integer("mode").and_then(|mode| u8::try_from(mode).ok()).unwrap_or(0),
         lsb_first: fields.boolean("lsb-first").unwrap_or(false),
         buffer: fields.integer("buffer").and_then(|bytes| u32::try_from(bytes).ok()).unwrap_or(BUFFER),

@@ -12,7 +12,7 @@ use crate::adc::iio::{Buffering, FindDevice, IioSpec, MAX_BUFFER};
 const BUFFER: i64 = 1024;
 
 /// Keys that only a converter on an SPI bus has, and those that only one with a driver of the kernel has.
-const OF_SPI: &[&str] = &["part", "speed", "mode", "reference", "oversample", "sequence"];
+const OF_SPI: &[&str] = &["part", "speed", "clock-error", "mode", "reference", "oversample", "sequence"];
 pub(super) const OF_IIO: &[&str] = &["name", "label", "buffered", "trigger", "buffer", "watermark"];
 
 /// The keys of a converter of `kind = "iio"`.

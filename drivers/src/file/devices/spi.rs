@@ -7,6 +7,7 @@ use super::iio::OF_IIO;
 use super::{codes, number};
 use crate::adc::spi::{SpiSpec, Sweep, choose, part};
 use crate::adc::{AdcSpec, SampleSpec};
+use crate::file::clock::of_device;
 
 /// A clock rate that hardly any wiring is too long for.
 const USUAL: u32 = 1_000_000;
@@ -74,6 +75,7 @@ pub(super) fn spi(entry: &Entry, fields: &Fields, out: &mut Findings) -> Option<
         path: path.into(),
         part,
         speed: speed?,
+        clock_error: of_device(fields, out),
         mode: mode?,
         reference: reference?,
         oversample: oversample?,

@@ -30,6 +30,11 @@ pub(in crate::file) const CONVERTER: &[KeySpec] = &[
         KeyType::Quantity,
         "Clock rate of the bus; \"1 MHz\", or what the part can follow",
     ),
+    KeySpec::optional(
+        "clock-error",
+        KeyType::Quantity,
+        "How much faster than `speed` the bus may be, as in \"50 ppm\"; 0",
+    ),
     KeySpec::optional("mode", KeyType::Integer(0, 3), "SPI mode; that of the part if left out"),
     KeySpec::optional("reference", KeyType::Quantity, "Its reference voltage; its own if it has one"),
     KeySpec::optional("oversample", KeyType::Integer(1, 4_096), "Sweeps whose mean is a reading; 1"),
@@ -75,6 +80,11 @@ pub(in crate::file) const GENERATOR: &[KeySpec] = &[
         "clock",
         KeyType::Quantity,
         "Bits a second of a stream; \"1 MHz\". The clock of a PWM chip, in whose periods it counts",
+    ),
+    KeySpec::optional(
+        "clock-error",
+        KeyType::Quantity,
+        "How much faster than `clock` a stream may be, as in \"50 ppm\"; 0",
     ),
     KeySpec::optional("mode", KeyType::Integer(0, 3), "SPI mode; 0 if left out"),
     KeySpec::optional("lsb-first", KeyType::Bool, "Whether the bus sends the lowest bit of a byte first"),

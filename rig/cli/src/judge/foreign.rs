@@ -218,7 +218,7 @@ fn instants(
     match start {
         Ok(Some((start, reference))) if found.is_empty() => {
             for (_, at) in &mut steps {
-                *at = names.timebase.drifted(*at, reference);
+                *at = names.timebase.rate.drifted(*at, reference);
             }
             Ok((Instants { start, steps }, reference))
         }

@@ -276,7 +276,7 @@ fn run_here(
     describe::annotate(&mut trace, case, files, &*subject, clock.name());
     describe::promises(&mut trace, &wiring, board.channels());
     describe::coverages(&mut trace, &wiring, &files.board, case);
-    let mut judge = CaseJudge::new(case.scenario(), trace.signals())?;
+    let mut judge = CaseJudge::new(case.scenario(), trace.signals())?.by_clock(files.board.clock.error);
     // Edges that may have come earlier are reported when they come in the model: until then no claim is lost.
     let fail_fast = options.fail_fast && record.model.is_empty();
     if !fail_fast {

@@ -4,7 +4,7 @@ use crate::case::capture_import::{INSTRUMENT_NOTE, INSTRUMENT_TEXT_NOTE};
 use crate::case::{lanes, verdict};
 use crate::codes;
 use crate::schedule::case_ending::CaseEnding;
-use crate::suite::{describe, instrument_file};
+use crate::suite::{board_instrument, describe, instrument_file};
 use document::{Diagnostic, SourceFile};
 use plans::judge::CaseJudge;
 use plans::plan::{GlobalChecks, PlanText};
@@ -62,7 +62,7 @@ pub fn judge_gathered(text: &PlanText, trace: &Trace) -> Result<CaseRecord, Vec<
         model: note("model").to_owned(),
         instrument: match (trace.note(INSTRUMENT_NOTE), trace.note(INSTRUMENT_TEXT_NOTE)) {
             (Some(file), Some(text)) => Some(instrument_file::read(&SourceFile::new(file, text))?.record()),
-            _ => None,
+            _ => board_instrument::read_from(trace),
         },
         hashes: describe::hashes_again(read.joined(), trace),
         seed,
@@ -83,7 +83,8 @@ pub fn judge_gathered(text: &PlanText, trace: &Trace) -> Result<CaseRecord, Vec<
     }
     record.end_ns = end.as_nanos();
     record.duration_ns = end.max(closed).as_nanos();
-    let judge = CaseJudge::new(case.scenario(), trace.signals())?;
+    let judge =
+        CaseJudge::new(case.scenario(), trace.signals())?.by_clock(board_instrument::clock_error(trace));
     let outcome = judge.replay(When::exactly(end), trace).map_err(|error| error.to_string());
     verdict(&mut record, outcome, &CaseEnding::read_from(trace), &case.expected_states());
     let changed = trace.note("plan-sha256") != Some(describe::plan_hash(read.joined()).as_str());

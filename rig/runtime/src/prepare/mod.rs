@@ -27,7 +27,7 @@ use plans::steps::{CasePart, ProgramRef};
 use plans::steps::{Question, Stimulus};
 use profile::{Profile, Reference};
 use signal::{SignalId, SignalInfo, Span, Trace, ValueKind};
-use signals::{channel_info, clocked, define, policy};
+use signals::{by_clock, channel_info, clocked, define, policy};
 use std::sync::Arc;
 use steps::plan_step;
 
@@ -209,7 +209,7 @@ impl Signals {
             NameMeaning::Channel(channel, _) => {
                 let channel = &bench.board.channels()[usize::from(channel.0)];
                 own = channel.deadband;
-                channel_info(&binding.name, channel)
+                by_clock(channel_info(&binding.name, channel), bench.file.clock.error)
             }
             NameMeaning::OfBus => return,
             NameMeaning::Inside(observable) => SignalInfo {

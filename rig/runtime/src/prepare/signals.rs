@@ -4,7 +4,10 @@ use crate::codes;
 use document::Findings;
 use drivers::{Channel, ChannelKind, TimestampSource};
 use plans::signals::{RecordingPolicy, SignalBinding};
-use signal::{ClockDomain, Policy, Sampling, SignalId, SignalInfo, Trace, TraceError, Value, ValueKind};
+use signal::{
+    ClockDomain, ClockError, Policy, Sampling, SignalId, SignalInfo, Span, Trace, TraceError, Value,
+    ValueKind,
+};
 
 /// Which changes of a bound signal the trace keeps. `own` is the deadband that its channel has on the board: what is
 /// not reported is not known, and a second filter after it would leave more unknown than one number says.
@@ -98,4 +101,14 @@ pub(super) fn channel_info(name: &str, channel: &Channel) -> SignalInfo {
         shortest_pulse: channel.shortest_pulse,
         ..SignalInfo::exact(name, kind)
     }
+}
+
+/// The same, seen by a clock whose rate may be off: what was read from time to time, by that clock, may have been read more seldom.
+pub(super) fn by_clock(info: SignalInfo, error: ClockError) -> SignalInfo {
+    let longer = |span: Span| span + error.of(span);
+    let sampling = match info.sampling {
+        Sampling::Sampled { period } => Sampling::Sampled { period: longer(period) },
+        edges @ Sampling::Edges { .. } => edges,
+    };
+    SignalInfo { sampling, shortest_pulse: longer(info.shortest_pulse), ..info }
 }

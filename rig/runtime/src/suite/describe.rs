@@ -1,6 +1,7 @@
 //! What a record and a trace say of where they come from.
 
 use crate::subject::{Subject, SubjectExt};
+use crate::suite::board_instrument;
 use crate::suite::case_files::CaseFiles;
 use crate::wiring::Wiring;
 use document::Joined;
@@ -12,7 +13,7 @@ use plans::steps::ProgramRef;
 use plans::steps::{DisturbanceKind, FileOperation, LineFault, PlanCommand, Stimulus, StimulusShape};
 use record::{CaseRecord, ClaimOrigin, Hashes, Parameter, StepRecord};
 use sha2::{Digest, Sha256};
-use signal::Trace;
+use signal::{Coverage, Trace};
 
 /// Bytes as hexadecimal digits.
 pub fn hex(bytes: &[u8]) -> String {
@@ -89,6 +90,7 @@ pub fn record_of(case: &Case, files: &CaseFiles) -> CaseRecord {
         reference: files.reference.name.to_owned(),
         model: model(case, files),
         board: files.board.name.clone(),
+        instrument: board_instrument::of(files),
         hashes: hashes(files),
         seed: files.seed,
         steps: case
@@ -124,8 +126,8 @@ pub fn promises(trace: &mut Trace, wiring: &Wiring, channels: &[Channel]) {
     }
 }
 
-/// Writes into the trace what the values of real channels cover where that is no bound, and with them the instants of steps
-/// that may wait for one of them.
+/// Writes into the trace what the values of real channels cover where that is no bound, and what all instants do: the clock of
+/// the board has stamped them, and steps may wait for one of the values.
 pub fn coverages(trace: &mut Trace, wiring: &Wiring, board: &BoardFile, case: &Case) {
     let stated = board.coverages();
     for (channel, words) in &stated {
@@ -138,9 +140,15 @@ pub fn coverages(trace: &mut Trace, wiring: &Wiring, board: &BoardFile, case: &C
             trace.set_note(&coverage_note(&name), words.clone());
         }
     }
-    if !stated.is_empty() && case.scenario().steps.iter().any(|step| step.awaited.is_some()) {
-        let words: Vec<&str> = stated.iter().map(|(_, words)| words.as_str()).collect();
-        trace.set_note(INSTANTS_COVERAGE_NOTE, words.join(", "));
+    let mut instants: Vec<String> = Vec::new();
+    if board.clock.coverage != Coverage::Limits {
+        instants.push(board.clock.coverage.to_string());
+    }
+    if case.scenario().steps.iter().any(|step| step.awaited.is_some()) {
+        instants.extend(stated.into_iter().map(|(_, words)| words));
+    }
+    if !instants.is_empty() {
+        trace.set_note(INSTANTS_COVERAGE_NOTE, instants.join(", "));
     }
 }
 
@@ -150,6 +158,10 @@ pub fn annotate(trace: &mut Trace, case: &Case, files: &CaseFiles, subject: &dyn
     let model = model(case, files);
     if !model.is_empty() {
         trace.set_note("model", model);
+    }
+    board_instrument::annotate_clock(trace, files.board.clock.error);
+    if let Some(board) = board_instrument::of(files) {
+        board_instrument::annotate(trace, &board);
     }
     for (place, (task, ..)) in subject.figures().iter().enumerate() {
         trace.set_note(&format!("task:{place}"), task.clone());

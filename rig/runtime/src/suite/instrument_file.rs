@@ -16,13 +16,16 @@
 use crate::codes;
 use crate::suite::describe::sha256;
 use crate::suite::file_source::{FileSource, load};
-use capture::{ChannelErrors, InstrumentErrors, MAX_RATE_ERROR, ReadingError, TimebaseErrors};
+use capture::{ChannelErrors, InstrumentErrors, ReadingError, TimebaseErrors};
 use document::{
     Codes, Data, Diagnostic, Entry, Fields, Findings, KeySpec, KeyType, Node, SourceFile, Table, toml,
 };
+use drivers::file::Statement;
 use drivers::file::accuracy::{self, AccuracyCodes, COVERAGE, OF_VALUE, PLUS};
+use drivers::file::clock::clock_error;
+use drivers::file::statements::of_table;
 use record::{InstrumentRecord, InstrumentStatement};
-use signal::{Coverage, Quantity, Span, Unit};
+use signal::{Coverage, Span};
 use std::ops::Range;
 
 /// The keys of an instrument file.
@@ -219,8 +222,9 @@ pub fn read(file: &SourceFile) -> Result<InstrumentFile, Vec<Diagnostic>> {
 
 fn timebase(fields: &Fields, out: &mut Findings) -> TimebaseErrors {
     let span = |key| fields.duration(key).unwrap_or(Span::ZERO);
+    let rate = fields.get("error").and_then(|node| clock_error(node, codes::INSTRUMENT_ERROR, out));
     TimebaseErrors {
-        rate: fields.get("error").and_then(|node| rate(node, out)).unwrap_or(0),
+        rate: rate.unwrap_or_default(),
         offset: moved(fields, "offset", out),
         offset_error: span("offset-error"),
         resolution: span("resolution"),
@@ -236,30 +240,7 @@ fn clock_coverage(clock: &Fields, channels: &[Entry], out: &mut Findings) -> Opt
         || channels.iter().any(has_delay);
     let help = "write how far the clock may be off, as in error = \"25 ppm\" or resolution = \"10 ns\", or remove `coverage`";
     accuracy::covers_something(clock, is_stated, help, FIGURES, out)?;
-    accuracy::coverage(clock, FIGURES, out)
-}
-
-/// A part of the time in parts of 10^12, rounded up.
-fn rate(node: &Node, out: &mut Findings) -> Option<u64> {
-    let help = "write how far the rate may be off, from 0 to 10 %, as in \"25 ppm\"";
-    let text = node.as_text().unwrap_or_default();
-    let part = Quantity::parse(text).ok().and_then(|read| read.in_unit(&Unit::new("ppm")));
-    let Some(ppm) = part else {
-        out.bad(codes::INSTRUMENT_ERROR, node, "this is no part of the time", help);
-        return None;
-    };
-    let parts = ppm.shifted(6);
-    let parts = match parts.as_whole() {
-        _ if parts.is_negative() => None,
-        Some(whole) => u64::try_from(whole).ok(),
-        // Finer than is counted: the next greater part.
-        None => Some((parts.as_f64().floor() as u64).saturating_add(1)),
-    };
-    let right = parts.filter(|parts| *parts <= MAX_RATE_ERROR);
-    if right.is_none() {
-        out.bad(codes::INSTRUMENT_ERROR, node, format!("no clock is off by {text}"), help);
-    }
-    right
+    clock.get("coverage").and_then(|node| accuracy::coverage(node, FIGURES, out))
 }
 
 /// The most channels of a file: each is looked for among those of a capture.
@@ -311,38 +292,28 @@ fn channel(named: &Entry, fields: &Fields, out: &mut Findings) -> Option<Instrum
 
 /// What a file states, as it is written.
 fn statements(tree: &Table) -> Vec<InstrumentStatement> {
-    let mut out = Vec::new();
+    let mut stated = Vec::new();
     if let Some(table) = tree.get("timebase").and_then(Node::as_table) {
-        state(table, "timebase", "", &mut out);
+        of_table(table, "timebase", &|_| true, &mut stated);
     }
     for entry in tree.get("channels").and_then(Node::as_table).map_or(&[][..], |table| &table.entries) {
         if let Some(table) = entry.node.as_table() {
-            state(table, &entry.key, "", &mut out);
+            of_table(table, &entry.key, &|_| true, &mut stated);
         }
     }
-    out
+    stated.into_iter().map(recorded).collect()
 }
 
-fn state(table: &Table, of: &str, before: &str, out: &mut Vec<InstrumentStatement>) {
-    for entry in &table.entries {
-        let key = format!("{before}{}", entry.key);
-        let value = match &entry.node.data {
-            Data::Table(inner) => {
-                state(inner, of, &format!("{key}."), out);
-                continue;
-            }
-            Data::Text(text) | Data::Float(text) => text.clone(),
-            Data::Integer(number) => number.to_string(),
-            // The tables of keys have nothing else.
-            _ => continue,
-        };
-        out.push(InstrumentStatement { of: of.to_owned(), key, value });
-    }
+/// A statement as records have it.
+pub(crate) fn recorded(statement: Statement) -> InstrumentStatement {
+    let Statement { of, key, value } = statement;
+    InstrumentStatement { of, key, value }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use signal::ClockError;
 
     fn file(text: &str) -> SourceFile {
         SourceFile::new("scope.toml", format!("format = 1\n{text}"))
@@ -362,7 +333,7 @@ mod tests {
         );
         let ns = Span::from_nanos;
         let timebase = TimebaseErrors {
-            rate: 25_000_000,
+            rate: ClockError::from_parts(25_000_000).unwrap(),
             offset: ns(-1_200),
             offset_error: ns(50),
             resolution: ns(10),
@@ -387,10 +358,11 @@ mod tests {
     #[test]
     fn a_rate_is_counted_finely_and_never_too_small() {
         let of = |text: &str| good(&format!("[timebase]\nerror = \"{text}\"")).timebase.rate;
-        assert_eq!(of("1 ppm"), 1_000_000);
-        assert_eq!(of("0.0025 %"), 25_000_000);
-        assert_eq!(of("10 %"), MAX_RATE_ERROR);
-        assert_eq!(of("0.0000001 ppm"), 1);
+        let parts = |parts| ClockError::from_parts(parts).unwrap();
+        assert_eq!(of("1 ppm"), parts(1_000_000));
+        assert_eq!(of("0.0025 %"), parts(25_000_000));
+        assert_eq!(of("10 %"), ClockError::MAX);
+        assert_eq!(of("0.0000001 ppm"), parts(1));
         assert_eq!(good("").timebase, TimebaseErrors::default());
     }
 
