@@ -83,6 +83,7 @@ document::codes! {
     RELAY_TIME = "B0184", "A time in which no relay settles";
     REALTIME = "B0190", "A setting of real time is out of range";
     CLOCK = "B0191", "A clock that is off by as much is none";
+    DELAY = "B0192", "A delay that its channel does not have";
     CHANNEL_NAME = "B0201", "A channel's name breaks the rules";
     CHANNEL_PROPERTY = "B0202", "A property does not suit the kind of channel";
     SAFE_VALUE = "B0203", "A safe value does not suit its channel";

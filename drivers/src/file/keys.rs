@@ -229,6 +229,16 @@ pub(super) const CHANNEL: &[KeySpec] = &[
         KeyType::Quantity,
         "Above this its sensor fails or its wire is shorted, as in \"21 mA\"",
     ),
+    KeySpec::optional(
+        "input-delay",
+        KeyType::Range,
+        "How much later than its terminal its line changes, at least and at most, as in \"2 us .. 18 us\"; 0",
+    ),
+    KeySpec::optional(
+        "output-delay",
+        KeyType::Duration,
+        "How much later than its line its terminal changes at most; 0",
+    ),
     KeySpec::optional("counter", NAME, "The counter behind a count; the only one if left out"),
     KeySpec::optional(
         "of",

@@ -6,6 +6,7 @@ mod buses;
 mod check;
 pub mod clock;
 pub(crate) mod control;
+mod delays;
 mod devices;
 mod guard;
 mod keys;
@@ -35,6 +36,7 @@ use crate::codes;
 pub use crate::codes::CODES;
 pub use clock::BoardClock;
 pub use control::{ControlSettings, OnDisconnect};
+pub use delays::ChannelDelay;
 pub use guard::{Bite, GuardSettings, WatchdogSettings};
 pub use keys::KEYS;
 pub use ports::{PortBinding, SubjectPort, SubjectPortKind};
@@ -126,6 +128,8 @@ pub struct BoardFile {
     pub realtime: RealtimeSettings,
     /// The clock that stamps what the board sees.
     pub clock: BoardClock,
+    /// Delays between the terminals and the lines of a real board, by channel.
+    pub delays: Vec<ChannelDelay>,
     /// What the file states of the errors of what the board sees, in its order.
     pub statements: Vec<Statement>,
     /// What becomes of a case that loses a device.
@@ -166,6 +170,7 @@ impl BoardFile {
             guard: GuardSettings::default(),
             realtime: RealtimeSettings::default(),
             clock: BoardClock::default(),
+            delays: Vec::new(),
             statements: Vec::new(),
             on_loss: OnLoss::default(),
             control: ControlSettings::default(),

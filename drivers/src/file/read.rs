@@ -7,8 +7,8 @@ use super::devices::counter;
 use super::realtime::realtime;
 use super::subject::{subject, subject_lines};
 use super::{
-    BoardFile, BoardKind, OnLoss, Subject, Terminals, UnknownSubject, check, clock, codes, control, guard,
-    keys, parts, ports, real, sim_buses, statements,
+    BoardFile, BoardKind, OnLoss, Subject, Terminals, UnknownSubject, check, clock, codes, control, delays,
+    guard, keys, parts, ports, real, sim_buses, statements,
 };
 
 /// Reads a board file. `terminals` says which terminals a subject has.
@@ -81,6 +81,7 @@ pub fn read(
     if real {
         if let Some(spec) = real::real(&fields, &mut bench, &mut out) {
             bench.file.kind = BoardKind::Real(Box::new(spec));
+            bench.file.delays = delays::read(&fields, &bench, &mut out);
         }
         bench.file.check = board.and_then(|board| check::looped(&board, &bench, &mut out));
         return if out.has_errors() { Err(out.into_vec()) } else { Ok(bench.file) };

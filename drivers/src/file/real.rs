@@ -5,7 +5,7 @@ use document::{Fields, Findings};
 use super::bench::Bench;
 use super::buses::buses;
 use super::devices::{READERS, channels};
-use super::{codes, relays};
+use super::{codes, delays, relays};
 use crate::device_limits::DeviceLimits;
 use crate::real::RealSpec;
 
@@ -29,6 +29,7 @@ pub(super) fn reject_real_only_keys(fields: &Fields, out: &mut Findings) {
     }
     for (_, fields) in channels(fields) {
         READERS.iter().for_each(|reader| strange(&fields, reader.channel_keys));
+        strange(&fields, delays::KEYS);
     }
 }
 

@@ -57,4 +57,4 @@ pub(super) fn of_board(tree: &Table) -> Vec<Statement> {
 }
 
 /// The keys of a channel that say how far off it may be.
-const OF_CHANNEL: &[&str] = &["accuracy"];
+const OF_CHANNEL: &[&str] = &["accuracy", "input-delay", "output-delay"];

@@ -4,6 +4,7 @@ use crate::frames::FrameWatch;
 use crate::subject::Subject;
 use crate::subject::external;
 use controller::{ProbeId, Terminal};
+use drivers::file::ChannelDelay;
 use drivers::{BoardFile, BusId, ChannelId};
 use profile::IoChannel;
 use signal::{Area, Cause, SignalId, Size, Span};
@@ -37,6 +38,8 @@ pub struct Wiring {
     pub channels: Vec<Vec<SignalId>>,
     /// How much earlier than it was seen a change of each channel may have happened, by what the subject is.
     pub early: Vec<Span>,
+    /// What lies between the terminal and the line of each channel adds to the earliest and to the latest instant of a change.
+    pub delays: Vec<(Span, Span)>,
     /// Signals that show each observed probe, by its number.
     pub probes: Vec<Vec<SignalId>>,
     /// The ports of a subject that the rig plays, by their numbers.
@@ -66,6 +69,7 @@ impl Wiring {
             inputs: vec![Vec::new(); channels],
             channels: vec![Vec::new(); channels],
             early: vec![Span::ZERO; channels],
+            delays: vec![(Span::ZERO, Span::ZERO); channels],
             writers: vec![Cause::Unknown; channels],
             ..Wiring::default()
         }
@@ -75,6 +79,7 @@ impl Wiring {
     /// are the board's alone: it has the lines that the rig switches it by as outputs, and its alarm line as input.
     pub fn of(file: &BoardFile, subject: &dyn Subject, channels: usize) -> Wiring {
         let mut wiring = Wiring::new(channels);
+        wiring.delay(&file.delays);
         let Some(settings) = &file.subject.external else {
             for binding in &file.bind {
                 let Some(terminal) = subject.terminal(binding.address) else { continue };
@@ -103,6 +108,21 @@ impl Wiring {
             wiring.early[usize::from(channel.0)] = settings.jitter;
         }
         wiring
+    }
+
+    /// What lies between terminals and lines delays these channels. What was read came earlier; what was driven comes later, but
+    /// may have come at once: the trace cannot have what is still to come.
+    pub fn delay(&mut self, delays: &[ChannelDelay]) {
+        for ChannelDelay { channel, before: (least, most), after } in delays {
+            if let Some((earliest, latest)) = self.delays.get_mut(usize::from(channel.0)) {
+                (*earliest, *latest) = (-*most, *after - *least);
+            }
+        }
+    }
+
+    /// What is added to the earliest and to the latest instant of a change of a channel by what delays it.
+    pub fn delay_of(&self, channel: ChannelId) -> (Span, Span) {
+        self.delays.get(usize::from(channel.0)).copied().unwrap_or_default()
     }
 
     /// A terminal follows a channel.

@@ -5,6 +5,7 @@ mod bindings;
 mod board_clock;
 mod checks;
 mod common;
+mod delays;
 mod determinism;
 mod driven;
 mod emission;

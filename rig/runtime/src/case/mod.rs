@@ -277,8 +277,8 @@ fn run_here(
     describe::promises(&mut trace, &wiring, board.channels());
     describe::coverages(&mut trace, &wiring, &files.board, case);
     let mut judge = CaseJudge::new(case.scenario(), trace.signals())?.by_clock(files.board.clock.error);
-    // Edges that may have come earlier are reported when they come in the model: until then no claim is lost.
-    let fail_fast = options.fail_fast && record.model.is_empty();
+    // Edges that may have come earlier are reported when they come in the model, or behind a delay: until then no claim is lost.
+    let fail_fast = options.fail_fast && record.model.is_empty() && files.board.delays.is_empty();
     if !fail_fast {
         judge = judge.without_early_end();
     }

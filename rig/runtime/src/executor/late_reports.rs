@@ -54,7 +54,9 @@ impl Executor<'_> {
         }
         let channels = self.parts.board.channels().iter().zip(&self.parts.wiring.channels);
         let recorded = channels.filter(|(_, signals)| !signals.is_empty()).map(|(channel, _)| channel);
+        let delayed = self.parts.wiring.delays.iter().map(|(earliest, _)| -*earliest).max();
         let slowest = recorded.filter(|channel| channel.senses).map(reported_within).max();
+        let slowest = slowest.map(|slowest| slowest + delayed.unwrap_or_default());
         slowest.map_or(held, |slowest| held.max(closed.saturating_add(slowest)))
     }
 
@@ -74,7 +76,9 @@ impl Executor<'_> {
         let channel = event.channel();
         let place = usize::from(channel.0);
         let (at, value, cause, origin) = match *event {
-            BoardEvent::Changed { at, value, origin, .. } if at.earliest < closed => {
+            BoardEvent::Changed { at, value, origin, .. }
+                if at.earliest.saturating_add(self.parts.wiring.delay_of(channel).0) < closed =>
+            {
                 let cause = match origin {
                     Origin::Write => self.parts.wiring.writers[place],
                     Origin::Gap(gap) => Cause::Gap(gap),

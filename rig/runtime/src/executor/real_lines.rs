@@ -245,7 +245,9 @@ impl Executor<'_> {
     pub(super) fn seen_by_board(&self, at: When, channel: ChannelId, origin: Origin) -> When {
         let seen = self.widened(at, channel, origin);
         // What the board stamped after the end is of the teardown, however late the rig was.
-        match self.ended.filter(|(ended, _)| at.earliest >= *ended) {
+        // Behind a delay it may have come before.
+        let earliest = at.earliest.saturating_add(self.parts.wiring.delay_of(channel).0);
+        match self.ended.filter(|(ended, _)| earliest >= *ended) {
             Some((_, latest)) => {
                 let earliest = seen.earliest.max(latest);
                 When::within(earliest, seen.latest.max(earliest))
@@ -257,9 +259,13 @@ impl Executor<'_> {
     fn widened(&self, at: When, channel: ChannelId, origin: Origin) -> When {
         let place = usize::from(channel.0);
         let of_stage = self.lines.early.get(place).filter(|_| origin == Origin::Write);
+        let (earliest, latest) = self.parts.wiring.delay_of(channel);
         let early = self.parts.wiring.early.get(place).copied().unwrap_or(Span::ZERO)
             + of_stage.map_or(Span::ZERO, |(early, _)| *early);
-        let at = When { earliest: at.earliest.saturating_add(-early), ..at };
+        let at = When::within(
+            at.earliest.saturating_add(earliest).saturating_add(-early),
+            at.latest.saturating_add(latest),
+        );
         if self.parts.clock.is_exact() {
             return at;
         }

@@ -27,7 +27,7 @@ use plans::steps::{CasePart, ProgramRef};
 use plans::steps::{Question, Stimulus};
 use profile::{Profile, Reference};
 use signal::{SignalId, SignalInfo, Span, Trace, ValueKind};
-use signals::{by_clock, channel_info, clocked, define, policy};
+use signals::{by_clock, channel_info, clocked, define, delayed, policy};
 use std::sync::Arc;
 use steps::plan_step;
 
@@ -207,9 +207,11 @@ impl Signals {
         let mut own = 0.0;
         let info = match meaning {
             NameMeaning::Channel(channel, _) => {
+                let (earliest, latest) = wiring.delay_of(channel);
                 let channel = &bench.board.channels()[usize::from(channel.0)];
                 own = channel.deadband;
-                by_clock(channel_info(&binding.name, channel), bench.file.clock.error)
+                let info = delayed(channel_info(&binding.name, channel), latest - earliest);
+                by_clock(info, bench.file.clock.error)
             }
             NameMeaning::OfBus => return,
             NameMeaning::Inside(observable) => SignalInfo {

@@ -112,3 +112,13 @@ pub(super) fn by_clock(info: SignalInfo, error: ClockError) -> SignalInfo {
     };
     SignalInfo { sampling, shortest_pulse: longer(info.shortest_pulse), ..info }
 }
+
+/// The same, whose edges are known by as much less well.
+pub(super) fn delayed(info: SignalInfo, wider: Span) -> SignalInfo {
+    match info.sampling {
+        Sampling::Edges { resolution } => {
+            SignalInfo { sampling: Sampling::Edges { resolution: resolution + wider }, ..info }
+        }
+        Sampling::Sampled { .. } => info,
+    }
+}
