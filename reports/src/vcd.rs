@@ -4,9 +4,10 @@
 //! value is certain. Instants before the trace's origin are written at 0. Changes are put in order of that
 //! instant within a bounded buffer; one that comes later still is written at the instant reached. Comments say what
 //! else the trace knew: `note KEY VALUE`, and at the end `widest SIGNAL N ns`, how far apart the earliest and the
-//! latest instant of a change lie at most.
+//! latest instant of a change lie at most. A number that was measured has a variable beside it with how far the truth may lie from it, and
+//! in the header `uncertainty VARIABLE SIGNAL`.
 
-use signal::{Event, SignalId, SignalInfo, Trace, TraceError, Value, ValueKind};
+use signal::{ClockDomain, Event, SignalId, SignalInfo, Trace, TraceError, Value, ValueKind};
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
 use std::io::{self, Write};
@@ -73,6 +74,8 @@ pub struct VcdWriter<'a, W: Write> {
     signals: &'a [SignalInfo],
     codes: Vec<IdCode>,
     names: Vec<String>,
+    /// Of signals that are measured: the variable of their uncertainty, and what it has.
+    uncertainties: Vec<Option<(IdCode, f64)>>,
     /// How far the earliest and the latest instant of a change of each signal lie apart at most.
     widest: Vec<i64>,
     /// Waiting changes: instant, then order of arrival.
@@ -136,10 +139,17 @@ impl<'a, W: Write> VcdWriter<'a, W> {
             writer.comment(&format!("{}: {}", word(&info.name), labels.join(" ")))?;
         }
         notes(&mut writer)?;
+        let names = names(signals);
+        let beside: Vec<Option<String>> =
+            signals.iter().zip(&names).map(|(info, name)| beside(info, name, &names)).collect();
+        for (name, beside) in names.iter().zip(&beside) {
+            if let Some(beside) = beside {
+                writer.comment(&format!("uncertainty {beside} {name}"))?;
+            }
+        }
         writer.timescale(1, TimescaleUnit::NS)?;
         writer.add_module("rig")?;
         let mut codes = Vec::with_capacity(signals.len());
-        let names = names(signals);
         for (info, name) in signals.iter().zip(&names) {
             codes.push(match info.kind {
                 ValueKind::Bool => writer.add_wire(1, name)?,
@@ -147,6 +157,13 @@ impl<'a, W: Write> VcdWriter<'a, W> {
                 ValueKind::Int | ValueKind::Word | ValueKind::State | ValueKind::Mark => {
                     writer.add_wire(64, name)?
                 }
+            });
+        }
+        let mut uncertainties = Vec::with_capacity(signals.len());
+        for name in &beside {
+            uncertainties.push(match name {
+                Some(name) => Some((writer.add_var(VarType::Real, 64, name, None)?, 0.0)),
+                None => None,
             });
         }
         writer.upscope()?;
@@ -169,6 +186,7 @@ impl<'a, W: Write> VcdWriter<'a, W> {
             signals,
             codes,
             names,
+            uncertainties,
             widest,
             waiting: BinaryHeap::new(),
             arrived: 0,
@@ -218,7 +236,16 @@ impl<'a, W: Write> VcdWriter<'a, W> {
         }
         match info.kind {
             ValueKind::Bool => self.writer.change_scalar(code, scalar(value)),
-            ValueKind::Real => self.writer.change_real(code, value.as_real().unwrap_or(f64::NAN)),
+            ValueKind::Real => {
+                // First how well it is known: a reader has both when the number changes.
+                if let Some(Some((code, last))) = self.uncertainties.get_mut(place)
+                    && value.uncertainty() != *last
+                {
+                    *last = value.uncertainty();
+                    self.writer.change_real(*code, *last)?;
+                }
+                self.writer.change_real(code, value.as_real().unwrap_or(f64::NAN))
+            }
             ValueKind::Int | ValueKind::Word | ValueKind::State | ValueKind::Mark => match value.as_int() {
                 // The low 64 bits: an Int as two's complement, a Word as it is.
                 Some(n) => write_vector(self.writer.writer(), n, code),
@@ -268,6 +295,18 @@ pub fn names(signals: &[SignalInfo]) -> Vec<String> {
         name
     };
     signals.iter().map(unique).collect()
+}
+
+/// The name of the variable beside a signal with how well its numbers are known; `None` for one that is not measured.
+fn beside(info: &SignalInfo, name: &str, names: &[String]) -> Option<String> {
+    let is_measured = info.kind == ValueKind::Real && info.clock != ClockDomain::Virtual;
+    is_measured.then(|| {
+        let mut beside = format!("{name}_uncertainty");
+        while names.contains(&beside) {
+            beside.push('_');
+        }
+        beside
+    })
 }
 
 fn scalar(value: Value) -> vcd::Value {
@@ -386,6 +425,32 @@ mod tests {
         write(trace.signals(), events, "0.1.0", &mut parts).unwrap();
         assert_eq!(whole, parts);
         assert_eq!(read(&whole).last().map(|(at, _, v)| (*at, v.as_str())), Some((12, "0")));
+    }
+
+    #[test]
+    fn a_number_that_was_measured_has_its_uncertainty_beside_it() {
+        let clock = ClockDomain::Monotonic;
+        let signals = [
+            SignalInfo { clock, ..SignalInfo::exact("u", ValueKind::Real) },
+            SignalInfo { clock, ..SignalInfo::exact("u_uncertainty", ValueKind::Real) },
+            SignalInfo::exact("modelled", ValueKind::Real),
+        ];
+        let events = [
+            event(0, 1, 1, Value::measured(3.0, 0.5)),
+            event(0, 2, 2, Value::measured(4.0, 0.5)),
+            event(0, 3, 3, Value::Unknown),
+            event(2, 4, 4, Value::Real(7.0)),
+        ];
+        let mut out = Vec::new();
+        write(&signals, events, "0.1.0", &mut out).unwrap();
+        let text = String::from_utf8_lossy(&out).into_owned();
+        assert!(text.contains("uncertainty u_uncertainty_ u\n"), "{text}");
+        assert!(!text.contains("modelled_uncertainty"), "{text}");
+        let seen: Vec<_> = read(&out).into_iter().map(|(at, n, v)| format!("{at} {n} {v}")).collect();
+        assert_eq!(
+            seen,
+            ["1 u_uncertainty_ 0.5", "1 u 3", "2 u 4", "3 u_uncertainty_ 0", "3 u NaN", "4 modelled 7"]
+        );
     }
 
     #[test]

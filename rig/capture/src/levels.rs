@@ -43,7 +43,7 @@ impl LevelRule {
     /// `None` for what is no number.
     fn possible(&self, value: Value) -> Option<Possible> {
         let reading = value.as_real().filter(|reading| reading.is_finite())?;
-        let off = self.error.of(reading);
+        let off = self.off(reading, value);
         let half = self.hysteresis / 2.0;
         // TRUE above, FALSE at or below; what lies between is neither.
         Some(Possible {
@@ -52,10 +52,18 @@ impl LevelRule {
         })
     }
 
+    /// How far the truth may lie from a reading, by what is stated of it and by what it carries itself.
+    fn off(&self, reading: f64, value: Value) -> f64 {
+        match value.uncertainty() {
+            0.0 => self.error.of(reading),
+            own => (self.error.of(reading) + own).next_up(),
+        }
+    }
+
     /// Whether the reading is one of this level for certain.
     fn must_be(&self, value: Value, high: bool) -> bool {
         let Some(reading) = value.as_real() else { return false };
-        let off = self.error.of(reading);
+        let off = self.off(reading, value);
         let half = self.hysteresis / 2.0;
         match high {
             true => reading - off > self.threshold + half,

@@ -31,6 +31,8 @@ pub fn read(bytes: &[u8], period: Option<Span>) -> Result<Capture, CaptureError>
         own: false,
         notes: Vec::new(),
         widest: BTreeMap::new(),
+        beside: BTreeMap::new(),
+        uncertainties: BTreeMap::new(),
         defined: false,
     };
     // The last word ends with the file, too.
@@ -73,6 +75,10 @@ struct VcdReader {
     notes: Vec<(String, String)>,
     /// How wide the changes of a channel are at most, by name.
     widest: BTreeMap<String, i64>,
+    /// The variables that have how well a channel's numbers are known, by name: the name of the channel.
+    beside: BTreeMap<String, String>,
+    /// The name of the channel by the code of such a variable, and what it has.
+    uncertainties: BTreeMap<IdCode, (String, f64)>,
     defined: bool,
 }
 
@@ -92,6 +98,10 @@ impl VcdReader {
             }
             Command::VarDef(kind, width, code, name, index) => {
                 let name = index.map_or_else(|| name.clone(), |index| format!("{name}{index}"));
+                if let Some(of) = self.beside.get(&name).filter(|_| self.own) {
+                    self.uncertainties.insert(code, (of.clone(), 0.0));
+                    return Ok(());
+                }
                 let shape = match (kind, width) {
                     (VarType::Real, _) => ChannelType::Real,
                     (_, 1) => ChannelType::Bit,
@@ -122,13 +132,35 @@ impl VcdReader {
             Command::ChangeScalar(code, value) => self.change(code, scalar(value))?,
             Command::ChangeVector(code, bits) => self.change(code, vector(&bits)?)?,
             Command::ChangeReal(code, real) => {
-                let value = if real.is_finite() { Value::Real(real) } else { Value::Unknown };
+                if let Some((_, known)) = self.uncertainties.get_mut(&code) {
+                    *known = real;
+                    return Ok(());
+                }
+                let value = if real.is_finite() { self.measured(code, real) } else { Value::Unknown };
                 self.change(code, value)?;
             }
             // Texts have no meaning for a plan; scopes and dates need none.
             _ => {}
         }
         Ok(())
+    }
+
+    /// A number with how well it is known, where a variable beside it says that.
+    fn measured(&self, code: IdCode, real: f64) -> Value {
+        let channels = self.codes.get(&code).map_or(&[][..], Vec::as_slice);
+        let names = channels.iter().filter_map(|channel| self.builder.channels.get(*channel as usize));
+        let known = names
+            .filter_map(|channel| self.uncertainties.values().find(|(of, _)| *of == channel.name))
+            .map(|(_, known)| *known);
+        match known.reduce(f64::max) {
+            None => Value::Real(real),
+            Some(known) if known >= 0.0 && known.is_finite() => match Value::measured(real, known) {
+                // More than can be kept: the truth may be anything.
+                Value::Real(_) if known > 0.0 => Value::Unknown,
+                value => value,
+            },
+            Some(_) => Value::Unknown,
+        }
     }
 
     fn comment(&mut self, text: &str) {
@@ -139,6 +171,9 @@ impl VcdReader {
         match (words.next(), words.next(), words.next()) {
             (Some("note"), Some(key), value) => {
                 self.notes.push((key.to_owned(), unescaped(value.unwrap_or_default())));
+            }
+            (Some("uncertainty"), Some(beside), Some(name)) if !self.defined => {
+                self.beside.insert(beside.to_owned(), name.to_owned());
             }
             (Some("widest"), Some(name), Some(width)) => {
                 let width = width.strip_suffix(" ns").and_then(|width| width.parse().ok());

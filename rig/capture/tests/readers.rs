@@ -233,3 +233,28 @@ proptest! {
         let _ = read(format, &bytes, Some(Span::from_nanos(1)));
     }
 }
+
+#[test]
+fn a_dump_of_the_rig_has_how_well_its_numbers_are_known() {
+    let of = |uncertainty: &str| {
+        let text = format!(
+            "$version rig 0.1.0 $end\n$comment uncertainty u_uncertainty u $end\n$timescale 1 ns $end\n$scope module rig $end\n\
+             $var real 64 ! u $end\n$var real 64 # v $end\n$var real 64 \" u_uncertainty $end\n$upscope $end\n\
+             $enddefinitions $end\n#5\nr{uncertainty} \"\nr3.5 !\nr1 #\n#9\nr4 !\n#12\nr0 \"\nr4 !\n"
+        );
+        read(CaptureFormat::Vcd, text.as_bytes(), None).unwrap()
+    };
+    let capture = of("0.25");
+    let names: Vec<_> = capture.channels.iter().map(|channel| channel.name.as_str()).collect();
+    assert_eq!(names, ["u", "v"]);
+    let values = |capture: &Capture, name: &str| -> Vec<Value> {
+        changes(capture, name).into_iter().map(|(_, value)| value).collect()
+    };
+    let measured = |value| Value::measured(value, 0.25);
+    assert_eq!(values(&capture, "u"), [measured(3.5), measured(4.0), Value::Real(4.0)]);
+    assert_eq!(values(&capture, "v"), [Value::Real(1.0)]);
+    // What cannot be read as an uncertainty leaves the truth open.
+    for wrong in ["-1", "nan", "inf", "1e300"] {
+        assert_eq!(values(&of(wrong), "u"), [Value::Real(4.0)], "{wrong}");
+    }
+}

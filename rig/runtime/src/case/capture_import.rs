@@ -183,7 +183,9 @@ fn fit(value: Value, kind: ValueKind, error: &ReadingError) -> Value {
     }
     match kind {
         ValueKind::Bool => value.as_bool().map_or(Value::Unknown, Value::Bool),
-        ValueKind::Real => value.as_real().map_or(Value::Unknown, |number| read(number, error)),
+        ValueKind::Real => {
+            value.as_real().map_or(Value::Unknown, |number| read(number, value.uncertainty(), error))
+        }
         ValueKind::Word => value.as_int().map_or(Value::Unknown, |n| Value::Word(n as u64)),
         // The low 64 bits: two's complement, as dumps have them.
         ValueKind::Int | ValueKind::State | ValueKind::Mark => {
@@ -192,9 +194,12 @@ fn fit(value: Value, kind: ValueKind, error: &ReadingError) -> Value {
     }
 }
 
-/// A reading with how far the truth may lie from it.
-fn read(number: f64, error: &ReadingError) -> Value {
-    let off = error.of(number);
+/// A reading with how far the truth may lie from it, by what is stated of its instrument and by what it carries itself.
+fn read(number: f64, own: f64, error: &ReadingError) -> Value {
+    let off = match own {
+        0.0 => error.of(number),
+        own => error.of(number) + own,
+    };
     match Value::measured(number, off) {
         // More than can be kept: the truth may be anything.
         Value::Real(_) if off > 0.0 => Value::Unknown,

@@ -60,7 +60,17 @@ fn capture(changes: Vec<(u32, When, Value)>, last: i64) -> Capture {
 }
 
 /// Judges a capture whose button is pressed by the step `press`.
-fn judge(claims: &str, mut capture: Capture, instrument: &str) -> CaseRecord {
+fn judge(claims: &str, capture: Capture, instrument: &str) -> CaseRecord {
+    judge_twice(claims, capture, instrument, false).0
+}
+
+/// The same, and judges again the value change dump that the rig writes of it.
+fn judge_twice(
+    claims: &str,
+    mut capture: Capture,
+    instrument: &str,
+    dumped: bool,
+) -> (CaseRecord, Option<CaseRecord>) {
     let bench = Bench(format!("{HEAD}{claims}"));
     let loaded = suite::load_plan(&bench, "plan.toml", None, &[], 1, &mut Vec::new())
         .unwrap_or_else(|found| panic!("{found:#?}"));
@@ -88,7 +98,25 @@ fn judge(claims: &str, mut capture: Capture, instrument: &str) -> CaseRecord {
     let start = When::within(before(press.earliest), before(press.latest));
     let instants = Instants { start, steps: vec![("press".to_owned(), press)] };
     let trace = trace(layout, &case, &files, &capture, &wires, Some(&instants), Some(&instrument)).unwrap();
-    judge_gathered(loaded.plan.text(), &trace).unwrap_or_else(|found| panic!("{found:#?}"))
+    let judged = |trace: &Trace| {
+        judge_gathered(loaded.plan.text(), trace).unwrap_or_else(|found| panic!("{found:#?}"))
+    };
+    let record = judged(&trace);
+    if !dumped {
+        return (record, None);
+    }
+    let mut dump = Vec::new();
+    reports::vcd::write_trace(&trace, "0", &mut dump).unwrap();
+    let dump = capture::read(capture::CaptureFormat::Vcd, &dump, None).unwrap();
+    assert_eq!(dump.knowledge, Knowledge::Own);
+    let layout = lay_out(&case, &files).unwrap();
+    let spelled = reports::vcd::names(layout.signals());
+    let place = |channel: &CapturedChannel| spelled.iter().position(|name| *name == channel.name);
+    let wires: Vec<ChannelMapping> = (dump.channels.iter().enumerate())
+        .map(|(channel, of)| ChannelMapping::new(channel, place(of).unwrap()))
+        .collect();
+    let again = super::trace(layout, &case, &files, &dump, &wires, None, None).unwrap();
+    (record, Some(judged(&again)))
 }
 
 const MS: i64 = 1_000_000;
@@ -170,6 +198,23 @@ fn a_reading_is_known_to_within_its_accuracy() {
         let (found, [low, high], coverage) = delay(&record);
         assert_eq!((found, coverage), (verdict, "95 %"), "{max}");
         assert!((9.793..=9.8).contains(&low) && (10.2..=10.207).contains(&high), "{low} {high}");
+    }
+}
+
+#[test]
+fn a_dump_keeps_how_well_a_reading_is_known() {
+    let instrument = "[channels.U]\nunit = \"V\"\naccuracy = { of-value = \"1.5 %\", plus = \"50 mV\", coverage = \"95 %\" }";
+    for (max, verdict) in
+        [("10.207 V", Verdict::Pass), ("10.19 V", Verdict::Inconclusive), ("9.79 V", Verdict::Fail)]
+    {
+        let claims = format!(
+            "measure = [{{ name = \"u\", value-of = \"u\", when = \"press\", max = \"{max}\" }}]\n\
+             expect = [{{ stays = {{ signal = \"u\", max = \"{max}\" }} }}]\n"
+        );
+        let (record, again) = judge_twice(&claims, lamp_after(MS), instrument, true);
+        let again = again.unwrap();
+        assert_eq!((record.verdict, again.verdict), (verdict, verdict), "{max}");
+        assert_eq!((&again.claims, &again.measurements), (&record.claims, &record.measurements), "{max}");
     }
 }
 
