@@ -47,6 +47,7 @@ const TABLES: &[Said] = &[
     ("boards/gpio", "GPIO lines", "key of a channel", Board, &["channels.*"]),
     ("boards/gpio", "GPIO lines", "key of a chip", Board, &["chips.*"]),
     ("boards/real", "board", "key", Board, &["board"]),
+    ("boards/real", "Delays of channels", "key of a channel", Board, &["channels.*"]),
     ("boards/real", "guard", "key", Board, &["guard"]),
     ("boards/real", "realtime", "key", Board, &["realtime"]),
     ("boards/serial", "Serial lines", "key of a bus", Board, &["buses.*"]),
