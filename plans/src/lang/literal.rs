@@ -55,7 +55,7 @@ impl LiteralFault {
                 "write a number such as 42 or 1.5, true, \"16#0010\", \"T#500ms\", \"24 V\" or a state such as \"RUNNING\""
             }
             LiteralFault::Digits => {
-                "round it: write at most 30 digits, as in 0.123456789012345678901234567890; a number such as \"16#FF\" has digits of its base and at most 64 bits"
+                "round it: write at most 30 digits, as in 0.12345678901234567890123456789; a number such as \"16#FF\" has digits of its base and at most 64 bits"
             }
             LiteralFault::Duration => "write \"T#500ms\", or \"500 ms\"",
             LiteralFault::Kind => {
@@ -237,6 +237,17 @@ impl fmt::Display for Literal {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn what_the_helps_say_to_write_reads() {
+        let help = LiteralFault::Digits.help();
+        let example = help.split("as in ").nth(1).and_then(|rest| rest.split(';').next()).unwrap();
+        assert!(help.contains(example) && Literal::parse(example).is_ok(), "{example}");
+        assert_eq!(Literal::parse(&format!("{example}0")), Err(LiteralFault::Digits));
+        for example in ["42", "1.5", "true", "16#0010", "16#FF", "T#500ms", "500 ms", "24 V", "RUNNING"] {
+            assert!(Literal::parse(example).is_ok(), "{example}");
+        }
+    }
 
     #[test]
     fn values_read() {

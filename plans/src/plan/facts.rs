@@ -70,7 +70,8 @@ pub(super) fn needs(fields: &Fields<'_>, out: &mut Findings) -> Vec<Need> {
             Ok(need) => list.push(need),
             Err((at, fault)) => {
                 let message = format!("`{text}` is no need: {fault}");
-                let help = "write one as in \"memory-access\", \"pulse >= 200 kHz\" or \"timestamp <= 0.5 us\"";
+                let help =
+                    "write one as in \"memory-access\", \"pulse >= 200 kHz\" or \"timestamp <= 0.5 us\"";
                 out.bad_inside(codes::NEED, node, Some(at..text.len()), message, help);
             }
         }
