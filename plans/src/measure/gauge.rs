@@ -348,8 +348,14 @@ pub(super) fn judge(
     extent: Extent,
 ) -> MeasurementRecord {
     let extent = by_clock(bounds.clock, extent);
-    let wander = Number::Int(i128::from(bounds.wander));
-    let extent = (extent.0.minus(wander), extent.1.plus(wander));
+    // A quotient stays one where nothing is added to it.
+    let extent = match bounds.wander {
+        0 => extent,
+        wander => {
+            let wander = Number::Int(i128::from(wander));
+            (extent.0.minus(wander), extent.1.plus(wander))
+        }
+    };
     record.value = Some([extent.0.reals().0, extent.1.reals().1]);
     let limits = bounds.limits;
     if !limits.any() {
