@@ -327,6 +327,68 @@ pulse that the train has.
 #[test]
 fn a_code_that_does_not_exist_is_refused() {
     let bench = TestProject::new();
-    bench.refused(&["explain", "P0199"], &["R0152", "there is no code `P0199`", "did you mean `P0109`"]);
+    bench.refused(
+        &["explain", "P0199"],
+        &["R0152", "there is no code or module `P0199`", "did you mean `P0109`"],
+    );
+    bench.refused(
+        &["explain", "tm3ai5"],
+        &["R0152", "`tm3ai5`", "did you mean `TM3AI4`", "`rig explain modules`"],
+    );
     bench.refused(&["explain", "nothing"], &["R0152", "`rig explain` lists all codes"]);
+}
+
+#[test]
+fn the_page_of_a_module_is_read_by_a_person() {
+    let page = TestProject::new().expect(0, &["explain", " tm3am6"]).out;
+    let shown = "TM3AM6: TM3 analogue, 4 analogue inputs of 12 bit, 2 analogue outputs of 12 bit
+
+Internal ID code      197, shared with TM3AM6G
+Profiles              m241-2019, m251-2024
+Terminals             removable screw terminal block
+Analogue inputs       4, 12 bit
+  modes               0..10 V, -10..10 V, 0..20 mA, 4..20 mA
+Analogue outputs      2, 12 bit
+  modes               0..10 V, -10..10 V, 0..20 mA, 4..20 mA
+Firmware              26
+
+Alone, with status bytes, it is at
+
+    on an M251                %IW0..%IW3, status %IB8..%IB13, %QW0..%QW1
+    on an M241 of 24 channels %IW2..%IW5, status %IB12..%IB17, %QW2..%QW3
+    on an M241 of 40 channels %IW2..%IW5, status %IB12..%IB17, %QW2..%QW3
+
+    mode                        from      to   under range  over range
+    0..10 V                        0      10          -0.2        10.2  V
+    -10..10 V                    -10      10         -10.4        10.4  V
+    0..20 mA                       0      20          -0.4        20.4  mA
+    4..20 mA                       4      20          3.68       20.32  mA
+
+Not in the documents of the controllers:
+
+rig definition: firmware
+
+manufacturer's product help, TM3 analogue modules: under-range, over-range of
+0..10 V
+
+rig definition: a fiftieth of the span beyond the end, as in 0..10 V:
+under-range, over-range of -10..10 V
+
+manufacturer's answers to questions, TM3 analogue modules: under-range,
+over-range of 0..20 mA, 4..20 mA
+";
+    assert_eq!(page, shown);
+}
+
+#[test]
+fn every_module_has_a_page() {
+    let bench = TestProject::new();
+    let listed = bench.expect(0, &["explain", "modules"]).out;
+    assert_eq!(listed.lines().count(), catalogue::modules().len());
+    for line in listed.lines() {
+        let reference = line.split_whitespace().next().unwrap();
+        let page = bench.expect(0, &["explain", reference]).out;
+        assert!(page.starts_with(&format!("{reference}: ")) && page.contains("\nProfiles "), "{page}");
+        assert!(page.lines().all(|line| line.chars().count() <= 80), "{page}");
+    }
 }

@@ -5,10 +5,12 @@
 //! nobody knows is left out. A page that is wrong fails a test, so [`modules`] has nothing to report.
 //! Not goals: behaviour of modules, rules of configurations (see `profile`).
 
+mod channels;
 mod modes;
 mod page;
 mod source;
 
+pub use channels::channels;
 pub use page::{PageFindings, read_pages};
 
 use profile::ModuleType;

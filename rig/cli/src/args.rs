@@ -56,7 +56,7 @@ pub enum CliCommand {
     Dash(crate::dash::DashArgs),
     /// Step through one case, with its signals and claims, in virtual time.
     Step(crate::step::StepArgs),
-    /// Explain the code of a finding, with an example and the fix.
+    /// Explain the code of a finding, with an example and the fix; print what the catalogue says of a module.
     Explain(crate::explain::ExplainArgs),
     /// Print the JSON Schema of a format, for editors.
     Schema(crate::schema::SchemaArgs),

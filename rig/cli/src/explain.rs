@@ -1,26 +1,31 @@
-//! `rig explain`: what a code means, an example and the fix.
+//! `rig explain`: what a code means, an example and the fix; what the catalogue says of a module.
 
 use crate::code_pages::{self, CodePage, ExampleRole};
 use crate::exit::ExitStatus;
-use crate::output;
+use crate::{module_page, output};
 use clap::Args;
 use document::{Diagnostic, suggest};
 use std::fmt::Write;
 
-/// A code that no register has.
+/// A code that no register has, or a module that the catalogue has not.
 const UNKNOWN: &str = "R0152";
 
+/// What lists the modules of the catalogue.
+const MODULES: &str = "modules";
+
 /// Width of the text in columns.
-const WIDTH: usize = 80;
+pub const WIDTH: usize = 80;
 
 /// `rig explain`.
 #[derive(Debug, Args)]
 pub struct ExplainArgs {
-    /// The code of a finding, as in P0102; all codes with their titles if left out.
+    /// The code of a finding, as in P0102, or the reference of a module, as in TM3AI4; `modules` lists those. All codes
+    /// with their titles if left out.
+    #[arg(value_name = "CODE|MODULE")]
     code: Option<String>,
 }
 
-/// Prints the page of a code, or the list of all.
+/// Prints the page of a code or module, or a list of all codes or modules.
 pub fn run(args: &ExplainArgs) -> ExitStatus {
     let pages = code_pages::all();
     let Some(given) = &args.code else {
@@ -28,6 +33,14 @@ pub fn run(args: &ExplainArgs) -> ExitStatus {
         return ExitStatus::Passed;
     };
     let code = given.trim().to_ascii_uppercase();
+    if code.eq_ignore_ascii_case(MODULES) {
+        output::print(&module_page::list());
+        return ExitStatus::Passed;
+    }
+    if let Some(module) = catalogue::find(&code) {
+        output::print(&module_page::show(module));
+        return ExitStatus::Passed;
+    }
     match pages.iter().find(|page| page.code == code) {
         Some(page) => {
             output::print(&show(page));
@@ -41,10 +54,12 @@ pub fn run(args: &ExplainArgs) -> ExitStatus {
 }
 
 fn unknown(given: &str, code: &str, pages: &[CodePage<'_>]) -> Diagnostic {
-    let found = Diagnostic::error(UNKNOWN, format!("there is no code `{given}`"));
-    match suggest(code, pages.iter().map(|page| page.code)) {
-        Some(near) => found.help(format!("did you mean `{near}`? `rig explain` lists all codes")),
-        None => found.help("a code is a letter and four digits, as in P0102; `rig explain` lists all codes"),
+    const LISTS: &str = "`rig explain` lists all codes, `rig explain modules` all modules";
+    let found = Diagnostic::error(UNKNOWN, format!("there is no code or module `{given}`"));
+    let known = pages.iter().map(|page| page.code);
+    match suggest(code, known.chain(catalogue::modules().iter().map(|module| module.reference.as_str()))) {
+        Some(near) => found.help(format!("did you mean `{near}`? {LISTS}")),
+        None => found.help(format!("a code is a letter and four digits, as in P0102; {LISTS}")),
     }
 }
 
@@ -92,7 +107,7 @@ fn link(text: &str) -> Option<(&str, &str, &str, &str)> {
 }
 
 /// Words in lines of at most [`WIDTH`] columns.
-fn wrap(text: &str) -> String {
+pub fn wrap(text: &str) -> String {
     let mut wrapped = String::new();
     let mut column = 0;
     for word in text.split_whitespace() {

@@ -19,6 +19,7 @@ mod files;
 mod history;
 mod judge;
 mod line_queue;
+mod module_page;
 mod new;
 mod operator;
 mod output;

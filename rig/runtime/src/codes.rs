@@ -214,7 +214,7 @@ pub const CODES: &[(&str, &str)] = &[
     (PLAN_NEVER_RUNS, "A plan of which no case ever runs"),
     ("R0150", "A folder that is not empty"),
     ("R0151", "A file that cannot be written"),
-    ("R0152", "A code that does not exist"),
+    ("R0152", "A code or module that does not exist"),
     ("R0160", "A run that cannot be read"),
     ("R0161", "A part of a suite that cannot be"),
     ("R0162", "Parts of different suites"),

@@ -1,6 +1,6 @@
 //! Where the channels of configured modules are in the images (io: section 2).
 
-use super::{ConfiguredModule, ModuleFamily};
+use super::{ConfiguredModule, ModuleFamily, ModuleType};
 use crate::{IMAGE_BITS, Reference, rearming_command, short_circuit_status};
 use signal::{Address, Area, Size};
 use std::fmt;
@@ -113,18 +113,31 @@ impl Filled {
         Ok(Some(ChannelAddresses { area: self.area, size, first: start * 8 / size.bits(), count }))
     }
 
-    /// Digital channels: up to 8 are a byte, more are groups of 16 at an even byte (io:ADR-05).
+    /// Digital channels: groups of 16 begin at an even byte (io:ADR-05).
     fn digital(&mut self, count: u32) -> Result<Option<ChannelAddresses>, Full> {
-        if count <= 8 {
-            self.take(Size::Bit, count, 1, false)
-        } else {
-            self.take(Size::Bit, count, count.div_ceil(16).saturating_mul(2), true)
-        }
+        self.take(Size::Bit, count, digital_bytes(count), count > 8)
     }
 
     /// Analogue channels: words (io:ADR-05).
     fn words(&mut self, count: u32) -> Result<Option<ChannelAddresses>, Full> {
         self.take(Size::Word, count, count.saturating_mul(2), true)
+    }
+}
+
+/// The bytes of digital channels: up to 8 are a byte, more are groups of 16 (io:ADR-05).
+fn digital_bytes(count: u32) -> u32 {
+    if count <= 8 { count.div_ceil(8) } else { count.div_ceil(16).saturating_mul(2) }
+}
+
+impl ModuleType {
+    /// The bytes of %I that its inputs take, status bytes left out.
+    pub fn input_bytes(&self) -> u32 {
+        digital_bytes(self.digital_input_count()) + 2 * self.analogue_input_count()
+    }
+
+    /// The bytes of %Q that its outputs take.
+    pub fn output_bytes(&self) -> u32 {
+        digital_bytes(self.digital_output_count()) + 2 * self.analogue_output_count()
     }
 }
 
