@@ -3,4 +3,5 @@
 mod composition;
 mod ids;
 mod layout;
+mod manual;
 mod pages;
