@@ -16,9 +16,9 @@ pub struct AnalogueMode {
     pub low: Option<Decimal>,
     /// The value at which the channel has its *Maximum*.
     pub high: Option<Decimal>,
-    /// From this value up the channel is over range.
+    /// From this value up an input is over range; an output has no such limit.
     pub over_range: Option<Decimal>,
-    /// From this value down the channel is under range.
+    /// From this value down an input is under range; an output has no such limit.
     pub under_range: Option<Decimal>,
     /// What one count is, where the counts of the mode are fixed: 0.1 °C of a temperature.
     pub step: Option<Decimal>,
