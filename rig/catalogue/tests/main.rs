@@ -5,3 +5,4 @@ mod ids;
 mod layout;
 mod manual;
 mod pages;
+mod ratings;
