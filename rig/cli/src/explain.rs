@@ -2,6 +2,7 @@
 
 use crate::code_pages::{self, CodePage, ExampleRole};
 use crate::exit::ExitStatus;
+use crate::paragraph::wrap;
 use crate::{module_page, output};
 use clap::Args;
 use document::{Diagnostic, suggest};
@@ -12,9 +13,6 @@ const UNKNOWN: &str = "R0152";
 
 /// What lists the modules of the catalogue.
 const MODULES: &str = "modules";
-
-/// Width of the text in columns.
-pub const WIDTH: usize = 80;
 
 /// `rig explain`.
 #[derive(Debug, Args)]
@@ -106,26 +104,6 @@ fn link(text: &str) -> Option<(&str, &str, &str, &str)> {
     Some((&text[..start], &text[start + 1..middle], &text[middle + 2..end], &text[end + 1..]))
 }
 
-/// Words in lines of at most [`WIDTH`] columns.
-pub fn wrap(text: &str) -> String {
-    let mut wrapped = String::new();
-    let mut column = 0;
-    for word in text.split_whitespace() {
-        let length = word.chars().count();
-        if column > 0 && column + 1 + length > WIDTH {
-            wrapped.push('\n');
-            column = 0;
-        } else if column > 0 {
-            wrapped.push(' ');
-            column += 1;
-        }
-        wrapped.push_str(word);
-        column += length;
-    }
-    wrapped.push('\n');
-    wrapped
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -138,11 +116,5 @@ mod tests {
         );
         assert_eq!(plain("as a [file](../boards/file.md) says"), "as a file (docs/boards/file.md) says");
         assert_eq!(plain("an `x](` alone"), "an `x](` alone");
-    }
-
-    #[test]
-    fn lines_are_not_too_long() {
-        let wrapped = wrap(&"twelve chars ".repeat(30));
-        assert!(wrapped.lines().count() > 4 && wrapped.lines().all(|line| line.len() <= WIDTH), "{wrapped}");
     }
 }

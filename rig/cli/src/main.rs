@@ -24,6 +24,7 @@ mod new;
 mod operator;
 mod output;
 mod output_queues;
+mod paragraph;
 mod plan_files;
 mod plans;
 mod program;

@@ -1,6 +1,6 @@
 //! What the catalogue says of a module, as a person reads it.
 
-use crate::explain::{WIDTH, wrap};
+use crate::paragraph::{WIDTH, wrap};
 use catalogue::channels;
 use profile::{
     AnalogueChannels, AnalogueMode, ChannelAddresses, ConfiguredModule, Conversion, FigureSource,
