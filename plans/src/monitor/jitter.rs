@@ -136,7 +136,8 @@ impl Sums {
         }
         let (over, under) = self.squares(asked)?;
         // All were doubled.
-        let scale = i128::from(parts).checked_mul(i128::from(parts))?.checked_mul(4 * i128::from(self.count))?;
+        let scale =
+            i128::from(parts).checked_mul(i128::from(parts))?.checked_mul(4 * i128::from(self.count))?;
         let under = under.checked_mul(scale)?;
         let divisor = common_divisor(over, under);
         Some(Number::quotient(over / divisor, u64::try_from(under / divisor).ok()?))

@@ -169,3 +169,14 @@ fn a_record_says_what_the_board_states_of_its_clock() {
     assert_eq!(board.sha256, record.hashes.board);
     assert_eq!(run("", &plan).record.instrument, None);
 }
+
+#[test]
+fn a_shape_is_not_held_against_a_clock_that_may_be_off() {
+    let plan = pressed(
+        "expect = [{ profile = { signal = \"lamp\", points = [{ at = \"0 ms\", frequency = \"1 Hz\" }], tolerance = \"50 %\" } }]",
+    );
+    assert_eq!(verdicts(&run("", &plan).record), [Verdict::Fail]);
+    let found = run("clock-error = \"1 ppm\"", &plan).record;
+    assert_eq!(verdicts(&found), [Verdict::Inconclusive]);
+    assert!(found.claims[0].reason.contains("clock-error"), "{}", found.claims[0].reason);
+}
