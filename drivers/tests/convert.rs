@@ -100,12 +100,13 @@ impl Bench {
 fn a_change_lies_between_the_sample_before_and_the_one_that_shows_it() {
     let mut bench = Bench::started("10 s", "1 ms", false, "");
     assert_eq!(bench.last(2), Some(Value::Real(0.0)));
-    let changed = bench.at.time.now();
+    let before = bench.at.time.now();
     bench.script.show(2, 3.25);
+    let after = bench.at.time.now();
     bench.until("a change", |bench| bench.last(2) == Some(Value::Real(3.25)));
     let (at, _) = bench.changes(2)[1];
-    assert!(at.earliest <= changed && changed <= at.latest, "{changed} {at:?}");
-    assert_eq!((bench.changes(0).len(), bench.changes(2).len()), (1, 2), "what does not change is told once");
+    assert!(at.earliest <= after && before <= at.latest, "{before} {after} {at:?}");
+    assert_eq!((bench.changes(0).len(), bench.changes(2).len()), (1, 2), "what does not change is reported once");
 }
 
 #[test]
