@@ -106,7 +106,11 @@ fn a_change_lies_between_the_sample_before_and_the_one_that_shows_it() {
     bench.until("a change", |bench| bench.last(2) == Some(Value::Real(3.25)));
     let (at, _) = bench.changes(2)[1];
     assert!(at.earliest <= after && before <= at.latest, "{before} {after} {at:?}");
-    assert_eq!((bench.changes(0).len(), bench.changes(2).len()), (1, 2), "what does not change is reported once");
+    assert_eq!(
+        (bench.changes(0).len(), bench.changes(2).len()),
+        (1, 2),
+        "what does not change is reported once"
+    );
 }
 
 #[test]
