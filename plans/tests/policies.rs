@@ -142,8 +142,10 @@ fn verdict(scenario: &Scenario, infos: &[SignalInfo], steps: &[Step]) -> Verdict
     outcome.verdict
 }
 
-/// Claims that state of a signal that only pulses longer than this matter, and at which of its values the pulses are.
-const PROMISES: [(&str, i64, fn(i64) -> bool); 2] = [
+/// A claim that states of the signal `n` that only pulses longer than so many nanoseconds matter, and at which of its values they are.
+type Promise = (&'static str, i64, fn(i64) -> bool);
+
+const PROMISES: [Promise; 2] = [
     (r#"{ stays = { signal = "n", max = 2, pulses-longer-than = "4 ns" } }"#, 4, |value| value <= 2),
     (r#"{ never = { signal = "n", is = 2, from = "a", pulses-longer-than = "2 ns" } }"#, 2, |value| {
         value == 2
