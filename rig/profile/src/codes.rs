@@ -164,7 +164,7 @@ pub enum IoStatus {
     BusError = 0x0005,
 }
 
-/// State of an expansion module, TM3_MODULE_R[i].i_wModuleState (io:DIAG-03, plcsystem: 9.17). There is no 04.
+/// State of an expansion module, `TM3_MODULE_R[i].i_wModuleState` (io:DIAG-03, plcsystem: 9.17). There is no 04.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u16)]
 pub enum ModuleState {
