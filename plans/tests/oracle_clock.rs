@@ -1,10 +1,9 @@
 //! A clock that is off, against the judgement of what truly was: no verdict may come out that a clock which is right contradicts.
 
-use crate::oracle::claim;
+use crate::oracle_values::scenario;
 use proptest::prelude::*;
 use record::Verdict;
-use scanrig_plans::expect::Expectation;
-use scanrig_plans::judge::{CaseJudge, Scenario};
+use scanrig_plans::judge::CaseJudge;
 use signal::{Cause, ClockError, Event, SignalId, SignalInfo, Time, Trace, Value, ValueKind, When};
 
 /// Steps of the true time, nanoseconds; the clock is off by whole thousandths, so that what it shows is whole, too.
@@ -12,6 +11,8 @@ const STEP: i64 = 1_000;
 /// What the clock may be off: 1 %.
 const MOST: i64 = 10;
 const END: i64 = 400;
+/// The end of a case that goes on for long enough that all of a window about [`END`] is seen.
+const LATE_END: i64 = 600;
 
 /// Instants of the two steps, and of the changes of the line, in true steps.
 #[derive(Clone, Debug)]
@@ -21,7 +22,12 @@ struct Truth {
 }
 
 fn truths() -> impl Strategy<Value = Truth> {
-    let line = proptest::collection::btree_set(1..300i64, 0..9);
+    truths_until(300)
+}
+
+/// The same with changes of the line up to here.
+fn truths_until(last: i64) -> impl Strategy<Value = Truth> {
+    let line = proptest::collection::btree_set(1..last, 0..9);
     (0..150i64, 0..150i64, line)
         .prop_map(|(one, more, line)| Truth { marks: [one, one + more], line: line.into_iter().collect() })
 }
@@ -62,8 +68,38 @@ fn claims() -> impl Strategy<Value = String> {
     ]
 }
 
+/// A claim whose window ends at this instant.
+fn claim_until(which: usize, until: &str, within: i64) -> String {
+    match which {
+        0 => format!("{{ never = {{ signal = \"q\", from = \"a\", until = \"{until}\" }} }}"),
+        1 => format!(
+            "{{ stays = {{ signal = \"q\", is = true, from = \"b + 20 us\", until = \"{until}\" }} }}"
+        ),
+        2 => format!("{{ edges = {{ signal = \"q\", rising = 1, from = \"b\", until = \"{until}\" }} }}"),
+        3 => format!(
+            "{{ edges = {{ signal = \"q\", falling = \"2 ..\", from = \"a\", until = \"{until}\" }} }}"
+        ),
+        4 => format!("{{ value = {{ of = \"q\", is = false, when = \"{until}\" }} }}"),
+        5 => format!("{{ rises = {{ signal = \"q\", from = \"a\", within = \"{within} us\" }} }}"),
+        6 => format!(
+            "{{ never = {{ signal = \"q\", from = \"a\", until = \"{until}\", pulses-longer-than = \"5 us\" }} }}"
+        ),
+        7 => format!(
+            "{{ period = {{ signal = \"q\", is = \"60 us ..\", from = \"a\", until = \"{until}\" }} }}"
+        ),
+        _ => format!(
+            "{{ name = \"m\", value-of = \"q\", take = \"max\", from = \"b\", until = \"{until}\", max = 0 }}"
+        ),
+    }
+}
+
 /// The verdict on what a clock shows that is fast by so many thousandths.
 fn judged(truth: &Truth, text: &str, off: i64, error: ClockError) -> Verdict {
+    judged_until(END, truth, text, off, error)
+}
+
+/// The same of a case with this end.
+fn judged_until(end: i64, truth: &Truth, text: &str, off: i64, error: ClockError) -> Verdict {
     let signals = [
         SignalInfo::exact("q", ValueKind::Bool),
         SignalInfo::exact("p", ValueKind::Bool),
@@ -77,8 +113,9 @@ fn judged(truth: &Truth, text: &str, off: i64, error: ClockError) -> Verdict {
     events.extend(truth.marks.iter().zip([2, 3]).map(|(at, signal)| (*at, signal, Value::Int(1))));
     events.extend(truth.line.iter().enumerate().map(|(n, at)| (*at, 0, Value::Bool(n % 2 == 0))));
     events.extend(truth.marks.iter().enumerate().map(|(n, at)| (*at, 1, Value::Bool(n % 2 == 0))));
-    events.push((END, 5, Value::Int(1)));
+    events.retain(|event| event.0 <= end);
     events.sort_by_key(|event| event.0);
+    events.push((end, 5, Value::Int(1)));
     let mut trace = Trace::new();
     for info in &signals {
         trace.define(info.clone()).unwrap();
@@ -86,16 +123,13 @@ fn judged(truth: &Truth, text: &str, off: i64, error: ClockError) -> Verdict {
     for (at, signal, value) in events {
         trace.push(Event { signal: SignalId(signal), at: shown(at), value, cause: Cause::Unknown }).unwrap();
     }
-    let (verb, claim) = claim(text);
-    let expectation = Expectation { name: String::new(), verb, claim, place: None };
-    let scenario = Scenario { expectations: vec![expectation], ..Scenario::default() };
-    let mut judge = CaseJudge::new(scenario, &signals).unwrap().by_clock(error);
+    let mut judge = CaseJudge::new(scenario(text), &signals).unwrap().by_clock(error);
     let mut lost = false;
     for event in trace.events() {
         judge.feed(&event.unwrap());
         lost |= judge.failed_early();
     }
-    let verdict = judge.finish(shown(END), &trace).unwrap().verdict;
+    let verdict = judge.finish(shown(end), &trace).unwrap().verdict;
     assert!(!lost || verdict == Verdict::Fail, "lost early: {text} {truth:?}");
     verdict
 }
@@ -113,6 +147,23 @@ proptest! {
         }
         // Without a limit of time nothing is open that was not.
         if text.contains("order") || text.contains("duty") {
+            prop_assert_eq!(found, right, "{} {:?} {}", text, truth, off);
+        }
+    }
+
+    #[test]
+    fn what_may_lie_after_the_end_of_the_case_is_not_taken_as_seen(
+        truth in truths_until(500),
+        which in 0..9usize,
+        beyond in -15..=15i64,
+        off in -MOST..=MOST,
+    ) {
+        let error = ClockError::from_parts(10_000_000_000).unwrap();
+        let within = END - truth.marks[0] + beyond;
+        let text = claim_until(which, &format!("a + {within} us"), within);
+        let right = judged_until(LATE_END, &truth, &text, 0, ClockError::NONE);
+        let found = judged(&truth, &text, off, error);
+        if matches!(found, Verdict::Pass | Verdict::Fail) && right != Verdict::Inconclusive {
             prop_assert_eq!(found, right, "{} {:?} {}", text, truth, off);
         }
     }

@@ -18,6 +18,7 @@ use super::{JudgedCase, answer};
 use crate::expect::{Expectation, FilePlace, GlobalCheck, TraceClaim, happens};
 use crate::lang::{Anchor, AnchorBase};
 use crate::measure::{Gauge, Measurement};
+use crate::monitor::edges::LAST;
 use crate::monitor::{
     Anchors, BothEnds, CaseTimeline, ClockLimits, LimitEnd, Monitor, NotJudged, PulseRule, TimedValue,
     TraceSignals,
@@ -345,6 +346,8 @@ struct Follower {
     end: i64,
     /// What takes the short pulses out of the signal before, by its place.
     filter: Option<usize>,
+    /// From when to when the signal is not known any more, where it looks at what may lie after the end.
+    known_until: Option<(i64, i64)>,
 }
 
 impl Follower {
@@ -357,6 +360,13 @@ impl Follower {
         match self.filter {
             Some(filter) => short.see(filter, seen, |follower, seen| follower.hand_on(running, seen)),
             None => self.hand_on(running, seen),
+        }
+    }
+
+    /// Nothing comes any more: what may lie after the end of the case nobody saw.
+    fn end(self, running: &mut [RunningMonitor]) {
+        if let Some((a, b)) = self.known_until {
+            self.hand_on(running, &TimedValue { a, b, place: LAST, since: LAST, ..TimedValue::NOTHING });
         }
     }
 
@@ -416,6 +426,7 @@ impl FinalReading {
             let scene_of = part(scenario.part_of_claim(expectation), at >= own);
             let held = stage.follow(
                 &expectation.claim.signals(),
+                &expectation.claim.anchors(),
                 |info| expectation.claim.pulses(info),
                 scene_of.as_ref().unwrap_or(scene),
             );
@@ -427,6 +438,7 @@ impl FinalReading {
             let scene_of = part(scenario.part(&measurement.anchors(), &measurement.signals()), false);
             let held = stage.follow(
                 &measurement.signals(),
+                &measurement.anchors(),
                 |info| measurement.pulses(info),
                 scene_of.as_ref().unwrap_or(scene),
             );
@@ -436,18 +448,20 @@ impl FinalReading {
         stage
     }
 
-    /// Whoever runs next follows these signals. How long their changes are held back at most, nanoseconds.
+    /// Whoever runs next follows these signals and depends on these instants. How long their changes are held back at most, nanoseconds.
     fn follow(
         &mut self,
         names: &[String],
+        anchors: &[&Anchor],
         rule: impl Fn(&SignalInfo) -> PulseRule,
         scene: &CaseTimeline<'_>,
     ) -> i64 {
         let (at, last) = (self.running.len(), (scene.end(), scene.last_place()));
-        let mut held = 0;
+        let (mut held, known_until) = (0, scene.known_until(anchors));
         for (slot, name) in names.iter().enumerate() {
             let Some(line) = scene.signals.iter().position(|info| info.name == *name) else { continue };
-            let mut follower = Follower { at, slot, last, end: scene.earliest_end(), filter: None };
+            let mut follower =
+                Follower { at, slot, last, end: scene.earliest_end(), filter: None, known_until };
             if let Some(filter) =
                 rule(&scene.signals[line]).filter(&scene.signals[line], scene.lag(name), scene.clock.error)
             {
@@ -492,6 +506,7 @@ impl FinalReading {
         }
         let running = &mut self.running;
         self.short.finish(|follower| follower.end, |follower, seen| follower.hand_on(running, seen));
+        self.lines.iter().flat_map(|line| &line.followers).for_each(|follower| follower.end(running));
         let unobserved = |names: &[String]| {
             let silent = |name: &&String| {
                 signals.iter().position(|info| info.name == **name).is_none_or(|at| !self.lines[at].observed)

@@ -145,6 +145,17 @@ impl<'a> CaseTimeline<'a> {
         self.resolve(&Anchor::END).map_or(i64::MAX, |end| end.a)
     }
 
+    /// From when to when nothing is known any more of the signals of what depends on these instants, nanoseconds: the end of the
+    /// case, where an instant may lie after it by the error of the clock.
+    pub(crate) fn known_until(&self, anchors: &[&Anchor]) -> Option<(i64, i64)> {
+        if self.clock.error.is_none() {
+            return None;
+        }
+        let end = (self.earliest_end(), self.end());
+        let after = |anchor: &&Anchor| self.resolve(anchor).is_some_and(|point| point.b > end.1);
+        anchors.iter().any(after).then_some(end)
+    }
+
     /// Whether a window that ends at this instant has an end that is still to come.
     pub fn is_open(&self, until: &Anchor) -> bool {
         self.open_from.is_some() && self.point(until).is_err()
