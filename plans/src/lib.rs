@@ -25,6 +25,6 @@ pub mod table;
 
 pub use codes::{CODES, TOML};
 pub use lang::{Anchor, AnchorBase, Literal};
-pub use meaning::{number as number_of, show_literal, value_of};
+pub use meaning::{show_literal, value_of};
 pub use plan::{Case, Plan, PlanStep, StepTime, check_included, gather, read, read_gathered};
 pub use steps::Stimulus;

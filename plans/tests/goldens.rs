@@ -15,6 +15,7 @@ use record::{GuardBand, Verdict};
 use scanrig_plans::expect::{self, Expectation, ReadContext};
 use scanrig_plans::judge::{CaseJudge, Scenario, StepFacts};
 use scanrig_plans::lang::PlanNames;
+use scanrig_plans::steps::{StepCondition, StepWait};
 use scanrig_plans::{Anchor, measure};
 use signal::{
     Cause, Event, Policy, Sampling, SignalId, SignalInfo, Span, Time, Trace, Value, ValueKind, When,
@@ -121,8 +122,13 @@ impl Golden {
             } else if words[0].starts_with("counts-up-to:") {
                 golden.notes.push((words[0].to_owned(), words[1].to_owned()));
             } else if words[0] == "awaited" {
-                let awaited = Some(Span::from_secs(1));
                 golden.mark(&format!("step:{}", words[1]));
+                let awaited = Some(StepWait {
+                    signal: String::new(),
+                    awaits: StepCondition::Changes,
+                    from: Anchor::START,
+                    within: Span::from_secs(1),
+                });
                 golden.steps.push(StepFacts { id: words[1].into(), awaited, ..StepFacts::default() });
             } else if words[0] == "train" {
                 let train = Some(words[2].to_owned());

@@ -3,8 +3,11 @@
 use crate::oracle_values::scenario;
 use proptest::prelude::*;
 use record::Verdict;
-use scanrig_plans::judge::CaseJudge;
-use signal::{Cause, ClockError, Event, SignalId, SignalInfo, Time, Trace, Value, ValueKind, When};
+use scanrig_plans::Anchor;
+use scanrig_plans::judge::{CaseJudge, Scenario, StepFacts};
+use scanrig_plans::lang::AnchorBase;
+use scanrig_plans::steps::{StepCondition, StepWait};
+use signal::{Cause, ClockError, Event, SignalId, SignalInfo, Span, Time, Trace, Value, ValueKind, When};
 
 /// Steps of the true time, nanoseconds; the clock is off by whole thousandths, so that what it shows is whole, too.
 const STEP: i64 = 1_000;
@@ -100,6 +103,18 @@ fn judged(truth: &Truth, text: &str, off: i64, error: ClockError) -> Verdict {
 
 /// The same of a case with this end.
 fn judged_until(end: i64, truth: &Truth, text: &str, off: i64, error: ClockError) -> Verdict {
+    let trace = stamped(end, truth, off, None);
+    let words = format!("{text} {truth:?}");
+    verdict(scenario(text), &trace, stamp(end, off), error, &words)
+}
+
+/// What a clock shows at a true instant that is fast by so many thousandths, nanoseconds.
+fn stamp(steps: i64, off: i64) -> i64 {
+    steps * (STEP + off)
+}
+
+/// The trace of a case with this end. Where the clock shows `awaited` nanoseconds, a step came.
+fn stamped(end: i64, truth: &Truth, off: i64, awaited: Option<i64>) -> Trace {
     let signals = [
         SignalInfo::exact("q", ValueKind::Bool),
         SignalInfo::exact("p", ValueKind::Bool),
@@ -107,31 +122,72 @@ fn judged_until(end: i64, truth: &Truth, text: &str, off: i64, error: ClockError
         SignalInfo::exact("step:b", ValueKind::Mark),
         SignalInfo::exact("step:start", ValueKind::Mark),
         SignalInfo::exact("step:end", ValueKind::Mark),
+        SignalInfo::exact("step:w", ValueKind::Mark),
     ];
-    let shown = |steps: i64| When::exactly(Time::from_nanos(steps * (STEP + off)));
     let mut events = vec![(0, 4, Value::Int(1)), (0, 0, Value::Bool(false)), (0, 1, Value::Bool(false))];
     events.extend(truth.marks.iter().zip([2, 3]).map(|(at, signal)| (*at, signal, Value::Int(1))));
     events.extend(truth.line.iter().enumerate().map(|(n, at)| (*at, 0, Value::Bool(n % 2 == 0))));
     events.extend(truth.marks.iter().enumerate().map(|(n, at)| (*at, 1, Value::Bool(n % 2 == 0))));
     events.retain(|event| event.0 <= end);
-    events.sort_by_key(|event| event.0);
     events.push((end, 5, Value::Int(1)));
+    let mut events: Vec<_> =
+        events.into_iter().map(|(at, signal, value)| (stamp(at, off), signal, value)).collect();
+    events.extend(awaited.map(|at| (at, 6, Value::Int(1))));
+    events.sort_by_key(|event| (event.0, event.1 == 5));
     let mut trace = Trace::new();
     for info in &signals {
         trace.define(info.clone()).unwrap();
     }
     for (at, signal, value) in events {
-        trace.push(Event { signal: SignalId(signal), at: shown(at), value, cause: Cause::Unknown }).unwrap();
+        let at = When::exactly(Time::from_nanos(at));
+        trace.push(Event { signal: SignalId(signal), at, value, cause: Cause::Unknown }).unwrap();
     }
-    let mut judge = CaseJudge::new(scenario(text), &signals).unwrap().by_clock(error);
+    trace
+}
+
+/// The verdict on a trace.
+fn verdict(scenario: Scenario, trace: &Trace, end: i64, error: ClockError, words: &str) -> Verdict {
+    let mut judge = CaseJudge::new(scenario, trace.signals()).unwrap().by_clock(error);
     let mut lost = false;
     for event in trace.events() {
         judge.feed(&event.unwrap());
         lost |= judge.failed_early();
     }
-    let verdict = judge.finish(shown(end), &trace).unwrap().verdict;
-    assert!(!lost || verdict == Verdict::Fail, "lost early: {text} {truth:?}");
+    let verdict = judge.finish(When::exactly(Time::from_nanos(end)), trace).unwrap().verdict;
+    assert!(!lost || verdict == Verdict::Fail, "lost early: {words}");
     verdict
+}
+
+/// The verdict on a step that waits for a change of the line for `within`, from so many steps after `a` on, as a rig by such a
+/// clock runs it; `None` where the wait goes on at the end of the case.
+fn waited(
+    end: i64,
+    truth: &Truth,
+    (from, within): (i64, i64),
+    rises: Option<bool>,
+    off: i64,
+    error: ClockError,
+) -> Option<Verdict> {
+    let began = stamp(truth.marks[0], off) + from * STEP;
+    let limit = began + within * STEP;
+    if limit > stamp(end, off) {
+        return None;
+    }
+    let counts = |n: usize| rises.is_none_or(|rises| rises == (n % 2 == 0));
+    let changes = truth.line.iter().enumerate().filter(|(n, _)| counts(*n)).map(|(_, at)| stamp(*at, off));
+    let came = changes.filter(|at| (began..=limit).contains(at)).min();
+    let trace = stamped(end, truth, off, came);
+    let awaits = match rises {
+        Some(true) => StepCondition::Rises,
+        Some(false) => StepCondition::Falls,
+        None => StepCondition::Changes,
+    };
+    let from = Anchor { base: AnchorBase::Step("a".into()), offset: Span::from_nanos(from * STEP) };
+    let within = Span::from_nanos(within * STEP);
+    let wait = StepWait { signal: "q".into(), awaits, from, within };
+    let step = StepFacts { id: "w".into(), awaited: Some(wait), ..StepFacts::default() };
+    let scenario = Scenario { steps: vec![step], ..Scenario::default() };
+    Some(verdict(scenario, &trace, stamp(end, off), error, &format!("{truth:?}")))
 }
 
 proptest! {
@@ -166,5 +222,21 @@ proptest! {
         if matches!(found, Verdict::Pass | Verdict::Fail) && right != Verdict::Inconclusive {
             prop_assert_eq!(found, right, "{} {:?} {}", text, truth, off);
         }
+    }
+
+    #[test]
+    fn a_step_that_waits_came_in_time_by_every_clock_or_is_open(
+        truth in truths_until(500),
+        wait in (prop_oneof![Just(0), 0..200i64], 0..250i64),
+        rises in prop_oneof![Just(Some(true)), Just(Some(false)), Just(None)],
+        off in -MOST..=MOST,
+    ) {
+        let error = ClockError::from_parts(10_000_000_000).unwrap();
+        let right = waited(LATE_END, &truth, wait, rises, 0, ClockError::NONE).unwrap();
+        if let Some(found @ (Verdict::Pass | Verdict::Fail)) = waited(END, &truth, wait, rises, off, error) {
+            prop_assert_eq!(found, right, "{:?} {:?} {:?} {}", truth, wait, rises, off);
+        }
+        // By a clock that is right nothing is open.
+        prop_assert!(right != Verdict::Inconclusive);
     }
 }

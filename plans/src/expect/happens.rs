@@ -56,12 +56,12 @@ fn read(fields: &Fields<'_>, cx: &mut ReadContext<'_>) -> Option<Arc<dyn TraceCl
 }
 
 /// The claim that a step which waits for an event came.
-pub(crate) fn implied(step: &str, wait: Option<Span>, line: u32) -> Expectation {
+pub(crate) fn implied(step: &str, wait: Span, line: u32) -> Expectation {
     let id = Anchor { base: AnchorBase::Step(step.to_owned()), offset: Span::ZERO };
     Expectation {
         name: String::new(),
         verb: "happens",
-        claim: Arc::new(HappensClaim { step: id, from: None, within: None, wait }),
+        claim: Arc::new(HappensClaim { step: id, from: None, within: None, wait: Some(wait) }),
         place: Some(FilePlace { file: Arc::from(""), span: 0..0, line }),
     }
 }
@@ -108,7 +108,14 @@ impl TraceClaim for HappensClaim {
             None => UncertainInstant { a: i64::MIN, b: i64::MIN, place: 0, base: u32::MAX, offset: 0 },
         };
         let limits = scene.clock.spans(self.within.unwrap_or((0, i64::MAX)));
-        Ok(Box::new(HappensMonitor { claim: self.clone(), from, limits, came: None, open: false }))
+        Ok(Box::new(HappensMonitor {
+            claim: self.clone(),
+            from,
+            limits,
+            came: None,
+            open: false,
+            late: false,
+        }))
     }
 }
 
@@ -120,11 +127,14 @@ struct HappensMonitor {
     came: Option<TimedValue>,
     /// Nobody knows whether it came: its mark has a value that is not known.
     open: bool,
+    /// Nobody knows whether it came in time: its value is not known any more after it came.
+    late: bool,
 }
 
 impl Monitor for HappensMonitor {
     fn feed(&mut self, _slot: usize, seen: &TimedValue) {
         match seen.value {
+            Value::Unknown if self.came.is_some() => self.late = true,
             Value::Unknown => self.open = true,
             _ => {
                 self.came.get_or_insert(*seen);
@@ -143,7 +153,12 @@ impl Monitor for HappensMonitor {
             let reason = format!("step {id} never came");
             return Finding { observed: String::from("it never came"), reason, ..Finding::default() };
         };
-        let mut finding = Finding { can_hold: true, ..Finding::default() }.decided_by(&came);
+        let mut finding =
+            Finding { can_hold: true, can_break: self.late, ..Finding::default() }.decided_by(&came);
+        finding.reason = match self.late {
+            true => format!("whether step {id} came in time lies within what the clock may be off"),
+            false => String::new(),
+        };
         let (Some(from), Some(_)) = (&self.claim.from, self.claim.within) else {
             finding.observed = String::from("it came");
             return finding;
@@ -154,11 +169,12 @@ impl Monitor for HappensMonitor {
         let delay = first.finish();
         let between = (came.a.saturating_sub(self.from.b), came.b.saturating_sub(self.from.a));
         finding.observed = format!("it came {}", delay_words(between, from));
-        (finding.can_hold, finding.can_break) = (delay.can_hold, delay.can_break());
+        (finding.can_hold, finding.can_break) = (delay.can_hold, delay.can_break() || self.late);
         let margin = span_margin(between, self.limits);
         finding.margin = margin.map(|margin| Figure::span(Span::from_nanos(margin)));
         finding.uncertainty = width(between);
         finding.reason = match finding.can_hold {
+            true if self.late => finding.reason,
             true => String::from("the uncertainty of the instants reaches over a limit"),
             false => String::from("outside the limits"),
         };

@@ -4,7 +4,7 @@ use std::fmt;
 
 use document::Diagnostic;
 use record::{ClaimOrigin, Verdict, Window};
-use signal::{ClockError, Event, SignalInfo, Span, TraceError, When};
+use signal::{ClockError, Event, SignalInfo, Span, TraceError, ValueKind, When};
 
 use super::claim_record::{claim_record, writer};
 use super::coverage::coverage;
@@ -14,6 +14,7 @@ use super::order::Orderer;
 use super::pulse_limits::PulseLimits;
 use super::short_pulses::ShortPulses;
 use super::unknown::{UnknownTimes, add_why};
+use super::waits::ClockedWaits;
 use super::{JudgedCase, answer};
 use crate::expect::{Expectation, FilePlace, GlobalCheck, TraceClaim, happens};
 use crate::lang::{Anchor, AnchorBase};
@@ -23,15 +24,17 @@ use crate::monitor::{
     Anchors, BothEnds, CaseTimeline, ClockLimits, LimitEnd, Monitor, NotJudged, PulseRule, TimedValue,
     TraceSignals,
 };
-use crate::steps::{CasePart, Question};
+use crate::steps::{CasePart, Question, StepWait};
 
 /// A step of the case, as far as the judge needs it.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct StepFacts {
     /// Its id.
     pub id: String,
-    /// It waits for an event (`when`), so that not coming is a failure. With the longest wait.
-    pub awaited: Option<Span>,
+    /// It waits for an event (`when`), so that not coming is a failure.
+    pub awaited: Option<StepWait>,
+    /// Place of the step that its time counts from.
+    pub counts_from: Option<usize>,
     /// The signal that its train of pulses is emitted on.
     pub train: Option<String>,
     /// The part of the case that it belongs to.
@@ -56,10 +59,11 @@ pub struct Scenario {
 }
 
 impl Scenario {
-    /// All instants that claims and measurements depend on.
+    /// All instants that claims, measurements and waits depend on.
     fn anchors(&self) -> impl Iterator<Item = &Anchor> {
         let claims = self.expectations.iter().flat_map(|each| each.claim.anchors());
-        claims.chain(self.measurements.iter().flat_map(Measurement::anchors))
+        let waits = self.steps.iter().filter_map(|step| Some(&step.awaited.as_ref()?.from));
+        claims.chain(self.measurements.iter().flat_map(Measurement::anchors)).chain(waits)
     }
 
     /// Every signal that claims and measurements look at, in order of first use.
@@ -142,8 +146,8 @@ impl CaseJudge {
     /// that a state does not have, a unit of another dimension.
     pub fn new(mut scenario: Scenario, signals: &[SignalInfo]) -> Result<CaseJudge, Vec<Diagnostic>> {
         for step in &scenario.steps {
-            if step.awaited.is_some() {
-                scenario.expectations.push(happens::implied(&step.id, step.awaited, step.line));
+            if let Some(wait) = &step.awaited {
+                scenario.expectations.push(happens::implied(&step.id, wait.within, step.line));
             }
             if let Some(question) = &step.asks {
                 scenario.expectations.push(answer::implied(step, question));
@@ -278,6 +282,7 @@ impl CaseJudge {
         let early = EarlyEnd::of(note);
         let mut stage = FinalReading::new(&self.scenario, &scene, &why);
         stage.counting = PulseLimits::new(&self.signals, note);
+        stage.waits = ClockedWaits::new(&self.scenario.steps, &scene);
         let last = scene.end().max(CaseTimeline { closing: true, ..scene }.end());
         let mut place = 0;
         let mut fault = None;
@@ -365,9 +370,14 @@ impl Follower {
 
     /// Nothing comes any more: what may lie after the end of the case nobody saw.
     fn end(self, running: &mut [RunningMonitor]) {
-        if let Some((a, b)) = self.known_until {
-            self.hand_on(running, &TimedValue { a, b, place: LAST, since: LAST, ..TimedValue::NOTHING });
+        if let Some(end) = self.known_until {
+            self.lose(running, end);
         }
+    }
+
+    /// From then on nothing is known of the signal.
+    fn lose(self, running: &mut [RunningMonitor], (a, b): (i64, i64)) {
+        self.hand_on(running, &TimedValue { a, b, place: LAST, since: LAST, ..TimedValue::NOTHING });
     }
 
     #[inline]
@@ -393,6 +403,7 @@ struct FinalReading {
     lines: Vec<FollowedSignal>,
     short: ShortPulses<Follower>,
     counting: PulseLimits,
+    waits: ClockedWaits,
 }
 
 impl FinalReading {
@@ -402,6 +413,7 @@ impl FinalReading {
             lines: Vec::new(),
             short: ShortPulses::new(),
             counting: PulseLimits::default(),
+            waits: ClockedWaits::default(),
         };
         for at in 0..scene.signals.len() {
             let hold = scene.order.get(at).is_some_and(|order| order.disordered);
@@ -460,6 +472,8 @@ impl FinalReading {
         let (mut held, known_until) = (0, scene.known_until(anchors));
         for (slot, name) in names.iter().enumerate() {
             let Some(line) = scene.signals.iter().position(|info| info.name == *name) else { continue };
+            // No step comes after the end.
+            let known_until = known_until.filter(|_| scene.signals[line].kind != ValueKind::Mark);
             let mut follower =
                 Follower { at, slot, last, end: scene.earliest_end(), filter: None, known_until };
             if let Some(filter) =
@@ -477,6 +491,7 @@ impl FinalReading {
     fn feed(&mut self, event: &Event, place: u64) {
         let running = &mut self.running;
         self.short.settle(event.at.earliest.as_nanos(), |follower, seen| follower.hand_on(running, seen));
+        self.waits.see(event, place);
         let Some(line) = self.lines.get_mut(event.signal.0 as usize) else { return };
         if line.followers.is_empty() {
             return;
@@ -507,6 +522,10 @@ impl FinalReading {
         let running = &mut self.running;
         self.short.finish(|follower| follower.end, |follower, seen| follower.hand_on(running, seen));
         self.lines.iter().flat_map(|line| &line.followers).for_each(|follower| follower.end(running));
+        let end = (scene.earliest_end(), scene.end());
+        for mark in self.waits.open(scenario, scene) {
+            self.lines[mark].followers.iter().for_each(|follower| follower.lose(running, end));
+        }
         let unobserved = |names: &[String]| {
             let silent = |name: &&String| {
                 signals.iter().position(|info| info.name == **name).is_none_or(|at| !self.lines[at].observed)

@@ -20,6 +20,7 @@ mod order;
 mod pulse_limits;
 mod short_pulses;
 mod unknown;
+mod waits;
 
 pub use case::{CaseJudge, JudgeError, Scenario, StepFacts};
 pub use claim_progress::ClaimProgress;

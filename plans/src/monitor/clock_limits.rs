@@ -105,7 +105,15 @@ impl Monitor for BothEnds {
             true => strictest.reason.clone(),
             false => String::from("a limit lies within what the clock may be off"),
         };
-        Finding { can_hold: true, beyond_help: loosest.beyond_help, reason, ..strictest }
+        Finding {
+            can_hold: true,
+            can_break: strictest.can_break || !strictest.can_hold,
+            beyond_help: loosest.beyond_help,
+            // What decides lies in the window at its widest.
+            window: loosest.window,
+            reason,
+            ..strictest
+        }
     }
 }
 

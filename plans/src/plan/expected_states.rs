@@ -1,8 +1,9 @@
 //! Which states of the controller a case speaks of.
 
-use super::{Case, StepCondition, StepTime};
+use super::{Case, StepTime};
 use crate::expect::{ClaimDemand, condition::ValueCondition};
 use crate::lang::Literal;
+use crate::steps::StepCondition;
 
 /// The signal of the controller's state, which every trace has.
 const STATE: &str = "state";

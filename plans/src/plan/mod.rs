@@ -30,10 +30,10 @@ use signal::Span;
 use crate::alarm::Alarm;
 use crate::expect::{Expectation, GlobalCheck};
 use crate::judge::{Scenario, StepFacts};
-use crate::lang::{Anchor, Literal, Need};
+use crate::lang::{Anchor, Need};
 use crate::measure::Measurement;
 use crate::signals::SignalBinding;
-use crate::steps::{CasePart, ProgramRef, Stimulus};
+use crate::steps::{CasePart, ProgramRef, StepCondition, StepWait, Stimulus};
 
 pub use functions::{FunctionSettings, FunctionType, FunctionValue};
 pub use global_checks::{GlobalChecks, SUITE_KEYS};
@@ -47,23 +47,6 @@ pub use settings::{
     AlwaysUpdate, HaltOutputs, InitialState, OutputsInStop, PlanSettings, Rearming, StartingMode,
     TaskSettings, TaskType, WatchdogBasis,
 };
-
-/// What an awaited step waits for.
-#[derive(Clone, Debug, PartialEq)]
-pub enum StepCondition {
-    /// The signal changes to this value.
-    Becomes(Literal),
-    /// It becomes TRUE (or non-zero).
-    Rises,
-    /// It becomes FALSE (or zero).
-    Falls,
-    /// Any change.
-    Changes,
-    /// It moves from at or below to above this.
-    Above(Literal),
-    /// It moves from at or above to below this.
-    Below(Literal),
-}
 
 /// What the model's outputs do with delays that their documents give as maxima (io:STD-OUT-01).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -141,6 +124,8 @@ pub enum StepTime {
         awaits: StepCondition,
         /// Where waiting begins; a change at the very instant counts if the trace has it later.
         from: Anchor,
+        /// The same as the plan writes it: counted from the step that it names, of which the trace has a mark.
+        written: Anchor,
         /// How long to wait. If it does not happen the case goes on without the step.
         within: Span,
     },
@@ -249,10 +234,8 @@ impl Case {
                 .iter()
                 .map(|step| StepFacts {
                     id: step.id.clone(),
-                    awaited: match step.when {
-                        StepTime::When { within, .. } => Some(within),
-                        StepTime::At(_) => None,
-                    },
+                    awaited: Case::wait_of(step),
+                    counts_from: step.counts_from,
                     train: match &step.stimulus {
                         Stimulus::Train(train) => Some(train.signal.clone()),
                         _ => None,
@@ -266,5 +249,12 @@ impl Case {
                 })
                 .collect(),
         }
+    }
+
+    /// How a step waits, if it does.
+    fn wait_of(step: &PlanStep) -> Option<StepWait> {
+        let StepTime::When { signal, awaits, written, within, .. } = &step.when else { return None };
+        let from = written.clone();
+        Some(StepWait { signal: signal.clone(), awaits: awaits.clone(), from, within: *within })
     }
 }

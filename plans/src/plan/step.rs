@@ -13,12 +13,11 @@ use super::names::{CaseNames, StepName};
 use super::read::PlanDocument;
 use super::times::WrittenTime;
 use super::variants::Variant;
-use super::{PlanStep, StepCondition, StepRepeat, StepTime};
+use super::{PlanStep, StepRepeat, StepTime};
 use crate::codes;
 use crate::lang::PlanNames;
 use crate::lang::{Anchor, AnchorBase, Literal, is_id};
-use crate::steps::CasePart;
-use crate::steps::{self, StepNames, Stimulus};
+use crate::steps::{self, CasePart, StepCondition, StepNames, Stimulus};
 
 /// Most times that a step comes that waits each time, where the plan does not say.
 const USUAL_TIMES: u64 = 1_000;
@@ -349,6 +348,7 @@ impl StepReader<'_> {
             signal: signal?,
             awaits: awaits?,
             from: from.clone(),
+            written: from.clone(),
             within: when.duration("within")?,
         };
         Some((time, from))

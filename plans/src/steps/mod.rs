@@ -5,6 +5,7 @@
 
 mod application;
 mod ask;
+mod awaited;
 mod case;
 mod control;
 mod cycle;
@@ -32,6 +33,7 @@ use crate::signals::frames::NamedFrame;
 use crate::table::{TableFault, ValueTable};
 
 pub use ask::Question;
+pub use awaited::{AwaitedChange, StepCondition, StepWait};
 pub use case::{CasePart, ProgramRef};
 pub use cycle::ExactPeriod;
 pub use encoder::{Encoder, ShaftMotion};

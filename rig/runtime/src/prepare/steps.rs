@@ -6,15 +6,13 @@ use super::meaning::{NameMeaning, SignalMeanings, known_tasks, suggestion};
 use super::waves::generator;
 use crate::application::catalogue::Catalogue;
 use crate::codes;
-use crate::schedule::{Act, AwaitedChange, Expected, FileAction, PlannedStep, Timing};
+use crate::schedule::{Act, Expected, FileAction, PlannedStep, Timing};
 use crate::subject::SubjectExt;
 use controller::{Command, DeviceReset, Disturbance, FAULT_BITS, FileUser, InternalError};
 use document::Findings;
 use drivers::{BoardExt, Fault};
 use plans::lang::Literal;
-use plans::plan::StepCondition;
-use plans::steps::ProgramRef;
-use plans::steps::Stimulus;
+use plans::steps::{AwaitedChange, ProgramRef, StepCondition, Stimulus};
 use plans::{PlanStep, StepTime};
 use profile::IoChannel;
 use signal::{Address, SignalId, SignalInfo, Span, Trace, Value, ValueKind};
@@ -30,7 +28,7 @@ pub(super) fn plan_step(
 ) -> Option<PlannedStep> {
     let timing = match &step.when {
         StepTime::At(anchor) => Timing::At(anchor.clone()),
-        StepTime::When { signal, awaits, from, within } => {
+        StepTime::When { signal, awaits, from, within, .. } => {
             let signal = names.signal(signal)?;
             let info = &trace.signals()[signal.0 as usize];
             let event = awaited(awaits, info, step, out)?;
@@ -325,15 +323,7 @@ fn awaited(
     step: &PlanStep,
     out: &mut Findings,
 ) -> Option<AwaitedChange> {
-    let limit = |literal: &Literal| plans::number_of(literal, info).ok();
-    let change = match awaits {
-        StepCondition::Becomes(literal) => plans::value_of(literal, info).ok().map(AwaitedChange::Becomes),
-        StepCondition::Rises => Some(AwaitedChange::Rises),
-        StepCondition::Falls => Some(AwaitedChange::Falls),
-        StepCondition::Changes => Some(AwaitedChange::Changes),
-        StepCondition::Above(literal) => limit(literal).map(AwaitedChange::Above),
-        StepCondition::Below(literal) => limit(literal).map(AwaitedChange::Below),
-    };
+    let change = awaits.bind(info);
     if change.is_none() {
         let message = format!("`{}` cannot have this value", info.name);
         let labels: Vec<&str> = info.labels.iter().map(|(_, label)| label.as_str()).collect();

@@ -1,7 +1,6 @@
 //! The steps of a case on their way to their instants. Prepared before the start: nothing is allocated while the
 //! case runs.
 
-mod awaited;
 pub mod case_ending;
 mod progress;
 
@@ -10,14 +9,12 @@ use controller::{Command, Disturbance, FileUser, Probe};
 use drivers::{ChannelId, Fault};
 use plans::lang::{Anchor, AnchorBase};
 use plans::plan::StepRepeat;
-use plans::steps::CasePart;
-use plans::steps::{FileOperation, Question};
+use plans::steps::{AwaitedChange, CasePart, FileOperation, Question};
 use signal::{SignalId, Span, Time, Value};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 use std::sync::Arc;
 
-pub use awaited::AwaitedChange;
 pub use progress::EndReason;
 use progress::ScheduleProgress;
 

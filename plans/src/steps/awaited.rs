@@ -2,10 +2,58 @@
 
 use std::cmp::Ordering;
 
-use plans::monitor::Number;
-use signal::Value;
+use signal::{SignalInfo, Span, Value};
 
-/// What an awaited step waits for.
+use crate::lang::{Anchor, Literal};
+use crate::meaning::{number, value_of};
+use crate::monitor::Number;
+
+/// What an awaited step waits for, as a plan says it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum StepCondition {
+    /// The signal changes to this value.
+    Becomes(Literal),
+    /// It becomes TRUE (or non-zero).
+    Rises,
+    /// It becomes FALSE (or zero).
+    Falls,
+    /// Any change.
+    Changes,
+    /// It moves from at or below to above this.
+    Above(Literal),
+    /// It moves from at or above to below this.
+    Below(Literal),
+}
+
+impl StepCondition {
+    /// The same of this signal; `None` where it cannot have the value.
+    pub fn bind(&self, info: &SignalInfo) -> Option<AwaitedChange> {
+        let limit = |literal: &Literal| number(literal, info).ok();
+        match self {
+            StepCondition::Becomes(literal) => value_of(literal, info).ok().map(AwaitedChange::Becomes),
+            StepCondition::Rises => Some(AwaitedChange::Rises),
+            StepCondition::Falls => Some(AwaitedChange::Falls),
+            StepCondition::Changes => Some(AwaitedChange::Changes),
+            StepCondition::Above(literal) => limit(literal).map(AwaitedChange::Above),
+            StepCondition::Below(literal) => limit(literal).map(AwaitedChange::Below),
+        }
+    }
+}
+
+/// How a step waits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepWait {
+    /// The signal that it looks at.
+    pub signal: String,
+    /// What the signal has to do.
+    pub awaits: StepCondition,
+    /// Where waiting begins, counted from the step that the plan names.
+    pub from: Anchor,
+    /// How long it waits.
+    pub within: Span,
+}
+
+/// What an awaited step waits for, of one signal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AwaitedChange {
     /// The signal becomes this value.
