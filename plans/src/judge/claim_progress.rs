@@ -1,7 +1,7 @@
 //! How far the claims of a case are while its trace still grows: for a person who watches.
 
 use record::Verdict;
-use signal::{Time, Trace, When};
+use signal::{ClockError, Time, Trace, When};
 
 use super::{CaseJudge, JudgeError, Scenario};
 use crate::lang::Anchor;
@@ -16,13 +16,19 @@ pub struct ClaimProgress {
 }
 
 impl ClaimProgress {
-    /// The claims by what the trace has up to `now`. Reads the whole trace.
+    /// The claims by what the trace has up to `now`, stamped by a clock that may be off by `error`. Reads the whole trace.
     ///
     /// # Errors
     /// [`JudgeError`] if the trace cannot be read, or lacks a signal that the claims look at.
-    pub fn of(scenario: &Scenario, trace: &Trace, now: Time) -> Result<Vec<ClaimProgress>, JudgeError> {
+    pub fn of(
+        scenario: &Scenario,
+        trace: &Trace,
+        error: ClockError,
+        now: Time,
+    ) -> Result<Vec<ClaimProgress>, JudgeError> {
         let unfit = |_| JudgeError::MissingSignal;
-        let mut judge = CaseJudge::new(scenario.clone(), trace.signals()).map_err(unfit)?;
+        let judge = CaseJudge::new(scenario.clone(), trace.signals()).map_err(unfit)?;
+        let mut judge = judge.by_clock(error);
         for event in trace.events() {
             judge.feed(&event?);
         }

@@ -7,6 +7,7 @@ use plans::judge::{ClaimProgress, Scenario};
 use record::Verdict;
 use reports::text::clean;
 use runtime::executor::stepping::{Pause, StepTarget, Stepper};
+use runtime::suite::board_instrument::clock_error;
 use runtime::suite::describe;
 use signal::{SignalInfo, Span, Time, Trace, ValueKind};
 use std::io::{self, IsTerminal};
@@ -126,7 +127,8 @@ impl<'a> StepShell<'a> {
     }
 
     fn standings(&self, pause: &Pause<'_>) -> Vec<ClaimProgress> {
-        ClaimProgress::of(&self.scenario, pause.trace, pause.now).unwrap_or_else(|error| {
+        let clock = clock_error(pause.trace);
+        ClaimProgress::of(&self.scenario, pause.trace, clock, pause.now).unwrap_or_else(|error| {
             output::error(&error.to_string());
             Vec::new()
         })

@@ -48,7 +48,7 @@ pub(crate) fn annotate_clock(trace: &mut Trace, error: ClockError) {
 }
 
 /// What the clock that stamped a trace may be off, by its notes.
-pub(crate) fn clock_error(trace: &Trace) -> ClockError {
+pub fn clock_error(trace: &Trace) -> ClockError {
     let parts = trace.note(CLOCK_ERROR).and_then(|parts| parts.parse().ok());
     parts.and_then(ClockError::from_parts).unwrap_or_default()
 }

@@ -1,6 +1,6 @@
 //! Many plans: their files, their cases, and several cases at once.
 
-pub(crate) mod board_instrument;
+pub mod board_instrument;
 pub(crate) mod case_export;
 pub mod case_files;
 pub mod describe;
