@@ -95,12 +95,14 @@ impl FigureBand {
         FigureBand { natural, ..self }
     }
 
-    /// The same of a time, or of what comes in a time, by a clock that may be off; `more` is what else that makes of it.
-    pub(super) fn by_clock(self, clock: ClockLimits, more: Number) -> FigureBand {
-        if clock.error.is_none() {
-            return self;
-        }
-        FigureBand { limits: clock.figures(self.limits, more), ..self }
+    /// The same of a time, or of what comes in a time, by a clock that may be off.
+    pub(super) fn by_clock(self, clock: ClockLimits) -> FigureBand {
+        FigureBand { limits: clock.figures(self.limits), ..self }
+    }
+
+    /// The same of how far edges stand off a grid of true time, which moves by what the clock is off in so many nanoseconds.
+    pub(super) fn by_true_grid(self, clock: ClockLimits, wanders_over: i64) -> FigureBand {
+        FigureBand { limits: clock.of_true_grid(self.limits, wanders_over), ..self }
     }
 
     /// Whether a figure of this extent can be inside, and whether it can be outside.

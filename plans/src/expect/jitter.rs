@@ -22,8 +22,8 @@ use crate::lang::{Anchor, millihertz};
 use crate::monitor::edges::CountedEdge;
 use crate::monitor::jitter::{Grid, Jitter, JitterQuery, JitterReference, JitterResult};
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, Number, NumberLimits, PulseRule, TimedValue, TraceSignals,
-    UncertainWindow, slack,
+    CaseTimeline, ClockLimits, Finding, Monitor, NotJudged, Number, NumberLimits, PulseRule, TimedValue,
+    TraceSignals, UncertainWindow, slack,
 };
 
 /// What is compared.
@@ -188,16 +188,10 @@ impl TraceClaim for JitterClaim {
     fn start(&self, scene: &CaseTimeline<'_>) -> Result<Box<dyn Monitor>, NotJudged> {
         let info = scene.signal(&self.signal)?;
         let window = scene.window(&self.between.from, &self.between.until)?;
-        // Against a grid of true time the edges of a clock that is off wander as long as the window lasts.
-        let longest = Span::from_nanos(window.until.b.saturating_sub(window.from.a));
-        let wander = match self.asked.grid {
-            Some(_) => scene.clock.error.of(longest).as_nanos(),
-            None => 0,
-        };
-        let band = self.band.clone().by_clock(scene.clock, Number::Int(i128::from(wander)));
         Ok(Box::new(JitterMonitor {
-            claim: JitterClaim { band, ..self.clone() },
+            claim: self.clone(),
             info: info.clone(),
+            clock: scene.clock,
             window,
             jitter: Jitter::new(self.asked, self.edge.clone(), window, slack(info)),
         }))
@@ -208,6 +202,7 @@ impl TraceClaim for JitterClaim {
 struct JitterMonitor {
     claim: JitterClaim,
     info: SignalInfo,
+    clock: ClockLimits,
     window: UncertainWindow,
     jitter: Jitter,
 }
@@ -219,8 +214,14 @@ impl Monitor for JitterMonitor {
     }
 
     fn finish(self: Box<Self>) -> Finding {
-        let JitterMonitor { claim, info, window, jitter } = *self;
-        finding(&claim, &info, &window, &jitter.finish())
+        let JitterMonitor { mut claim, info, clock, window, jitter } = *self;
+        let found = jitter.finish();
+        // A given grid is true time, against which the edges wander; any other is one of the same clock.
+        claim.band = match claim.asked.grid {
+            Some(_) => claim.band.by_true_grid(clock, found.wanders_over),
+            None => claim.band.by_clock(clock),
+        };
+        finding(&claim, &info, &window, &found)
     }
 }
 

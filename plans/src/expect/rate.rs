@@ -138,7 +138,7 @@ impl TraceClaim for Rate {
         let window = scene.window(&self.between.from, &self.between.until)?;
         // A part of the time is the same by every clock.
         let band = match self.kind {
-            RateKind::Frequency => self.band.clone().by_clock(scene.clock, Number::ZERO),
+            RateKind::Frequency => self.band.clone().by_clock(scene.clock),
             RateKind::Duty => self.band.clone(),
         };
         Ok(Box::new(RateMonitor {

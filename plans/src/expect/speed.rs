@@ -21,8 +21,7 @@ use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::lang::Anchor;
 use crate::monitor::speed::SpeedFollower;
 use crate::monitor::{
-    CaseTimeline, Finding, Monitor, NotJudged, Number, PulseRule, TimedValue, TraceSignals, UncertainWindow,
-    slack,
+    CaseTimeline, Finding, Monitor, NotJudged, PulseRule, TimedValue, TraceSignals, UncertainWindow, slack,
 };
 
 /// Its unit.
@@ -93,9 +92,10 @@ impl TraceClaim for SpeedClaim {
         let info = scene.signal(&self.signal)?;
         countable(info).map_err(NotJudged::NoMeaning)?;
         let window = scene.window(&self.between.from, &self.between.until)?;
-        let band = self.band.clone().by_clock(scene.clock, Number::ZERO);
-        let (claim, speed) = (SpeedClaim { band, ..self.clone() }, SpeedFollower::new(window));
-        Ok(Box::new(SpeedMonitor { claim, slack: slack(info), window, speed }))
+        // While the trace grows an end is still to come, and nothing is asked.
+        let length = scene.time_between(&self.between.from, &self.between.until).unwrap_or((0, i64::MAX));
+        let speed = SpeedFollower::new(window, length);
+        Ok(Box::new(SpeedMonitor { claim: self.clone(), slack: slack(info), window, speed }))
     }
 }
 

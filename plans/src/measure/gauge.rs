@@ -15,8 +15,8 @@ use crate::meaning::{ToleranceBand, number};
 use crate::monitor::edges::{EdgeFinder, FirstEdge};
 use crate::monitor::reading::ValueReader;
 use crate::monitor::{
-    CaseTimeline, Extent, NotJudged, Number, NumberLimits, TimedValue, UncertainInstant, UnseenPulses,
-    by_clock, slack, widened,
+    CaseTimeline, ClockLimits, Extent, NotJudged, Number, NumberLimits, TimedValue, UncertainInstant,
+    UnseenPulses, by_clock, slack, widened,
 };
 
 /// Limits as numbers, and as the record states them.
@@ -31,8 +31,8 @@ pub(super) struct LimitNumbers {
     guard: GuardBand,
     /// What the clock may be off that the figure depends on.
     clock: ClockError,
-    /// What else that makes of the figure.
-    wander: i64,
+    /// Against a grid of true time: the time of which the figure is off by that part, nanoseconds.
+    wanders_over: Option<i64>,
 }
 
 impl LimitNumbers {
@@ -76,23 +76,26 @@ impl LimitNumbers {
         }
     }
 
+    /// The same of how far edges stand off a grid of true time.
+    pub(super) fn of_true_grid(self, wanders_over: i64) -> LimitNumbers {
+        LimitNumbers { wanders_over: Some(wanders_over), ..self }
+    }
+
+    /// A figure with what the clock may be off.
+    fn by_clock(&self, (low, high): Extent) -> Extent {
+        match self.wanders_over {
+            None => by_clock(self.clock, (low, high)),
+            Some(_) if self.clock.is_none() => (low, high),
+            Some(over) => {
+                let off = Number::Int(i128::from(self.clock.of(Span::from_nanos(over)).as_nanos()));
+                (low.minus(off).most(Number::ZERO), high.plus(off))
+            }
+        }
+    }
+
     /// The same for a figure that is never outside of these.
     fn of_kind(self, natural: NumberLimits) -> LimitNumbers {
         LimitNumbers { natural, ..self }
-    }
-}
-
-/// How far the edges of a clock that is off wander against a grid of true time while the window of a measurement lasts.
-fn wander(measurement: &Measurement, scene: &CaseTimeline<'_>) -> i64 {
-    let MeasuredQuantity::Over { from, until, figure: WindowFigure::Jitter(asked), .. } =
-        &measurement.quantity
-    else {
-        return 0;
-    };
-    let longest = scene.window(from, until).map_or(0, |window| window.until.b.saturating_sub(window.from.a));
-    match asked.grid {
-        Some(_) => scene.clock.error.of(Span::from_nanos(longest)).as_nanos(),
-        None => 0,
     }
 }
 
@@ -106,7 +109,7 @@ pub(super) fn time() -> SignalInfo {
 /// What takes the measurement.
 #[derive(Debug)]
 enum GaugeState {
-    Between(UncertainInstant, UncertainInstant),
+    Between { from: UncertainInstant, to: UncertainInstant, length: (i64, i64) },
     Edge { from: UncertainInstant, finder: EdgeFinder, first: FirstEdge, past: &'static str },
     Value { point: UncertainInstant, info: SignalInfo, reader: ValueReader },
     Over(Box<WindowMeasurement>),
@@ -117,11 +120,16 @@ enum GaugeState {
 /// Follows the signal of one measurement.
 #[derive(Debug)]
 pub struct Gauge {
+    /// Without a guard band and by a clock that may be off: the same by the clock as it is, the reading.
+    reading: Option<Box<Gauge>>,
     record: MeasurementRecord,
     bounds: LimitNumbers,
     reach: UnseenReach,
     taking: GaugeState,
 }
+
+/// Why a figure that reaches over a limit has no verdict.
+const LIMIT_WITHIN: &str = "a limit lies within the uncertainty";
 
 /// Where pulses that nobody saw can take a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -160,10 +168,18 @@ impl UnseenReach {
 
 impl Gauge {
     pub(super) fn new(measurement: &Measurement, scene: &CaseTimeline<'_>) -> Result<Gauge, NotJudged> {
+        let reading = match measurement.guard {
+            GuardBand::None if !scene.clock.error.is_none() => {
+                let clock = ClockLimits::default();
+                Some(Box::new(Gauge::new(measurement, &CaseTimeline { clock, ..*scene })?))
+            }
+            _ => None,
+        };
         let mut info = time();
         let taking = match &measurement.quantity {
             MeasuredQuantity::Between { from, to } => {
-                GaugeState::Between(scene.point(from)?, scene.point(to)?)
+                let length = scene.time_between(from, to)?;
+                GaugeState::Between { from: scene.point(from)?, to: scene.point(to)?, length }
             }
             MeasuredQuantity::ToEdge { from, signal, edge } => {
                 let from = scene.point(from)?;
@@ -184,12 +200,9 @@ impl Gauge {
                 let found = scene.signal(signal)?;
                 info = figure.info(found).map_err(NotJudged::NoMeaning)?;
                 let window = scene.window(from, until)?;
-                GaugeState::Over(Box::new(WindowMeasurement::new(
-                    window,
-                    *figure,
-                    found,
-                    (scene.earliest_end(), scene.end()),
-                )))
+                let end = (scene.earliest_end(), scene.end());
+                let length = scene.time_between(from, until)?;
+                GaugeState::Over(Box::new(WindowMeasurement::new(window, *figure, found, end, length)))
             }
             MeasuredQuantity::Position { train, from, until } => {
                 info = figure("position", "");
@@ -201,9 +214,12 @@ impl Gauge {
             }
         };
         let bounds = LimitNumbers::new(&measurement.limits, &info).map_err(NotJudged::NoMeaning)?;
-        let bounds = bounds.of_kind(measurement.quantity.natural()).guarded(measurement.guard);
+        let bounds = bounds.of_kind(measurement.quantity.natural()).guarded(match reading {
+            Some(_) => GuardBand::Uncertainty,
+            None => measurement.guard,
+        });
         let bounds = match measurement.quantity.depends_on_clock() {
-            true => LimitNumbers { clock: scene.clock.error, wander: wander(measurement, scene), ..bounds },
+            true => LimitNumbers { clock: scene.clock.error, ..bounds },
             false => bounds,
         };
         let record = MeasurementRecord {
@@ -219,14 +235,17 @@ impl Gauge {
             line: measurement.line(),
             ..MeasurementRecord::default()
         };
-        Ok(Gauge { record, bounds, reach: UnseenReach::of(&measurement.quantity), taking })
+        Ok(Gauge { reading, record, bounds, reach: UnseenReach::of(&measurement.quantity), taking })
     }
 
     /// The next event of the signal at this place among the measurement's.
     #[inline]
     pub fn feed(&mut self, slot: usize, seen: &TimedValue) {
+        if let Some(reading) = &mut self.reading {
+            reading.feed(slot, seen);
+        }
         match &mut self.taking {
-            GaugeState::Between(..) => {}
+            GaugeState::Between { .. } => {}
             GaugeState::Edge { finder, first, .. } => {
                 if let Some(found) = finder.see(seen) {
                     first.see(&found);
@@ -240,12 +259,17 @@ impl Gauge {
     }
 
     /// The record when nothing comes any more. `doubt` is what pulses that nobody saw could do, and why.
-    pub(crate) fn finish(self, doubt: Option<(UnseenPulses, String)>) -> MeasurementRecord {
-        let (bounds, reach) = (self.bounds, self.reach);
+    pub(crate) fn finish(mut self, doubt: Option<(UnseenPulses, String)>) -> MeasurementRecord {
+        let (bounds, reach, reading) = (self.bounds, self.reach, self.reading.take());
+        let reading = reading.map(|reading| reading.finish(doubt.clone()));
         let record = self.of_what_was_seen();
-        match doubt {
+        let record = match doubt {
             Some((unseen, why)) => with_unseen(record, &bounds, reach, unseen, why),
             None => record,
+        };
+        match reading {
+            Some(reading) if record.reason == LIMIT_WITHIN => by_reading(record, reading),
+            _ => record,
         }
     }
 
@@ -253,14 +277,10 @@ impl Gauge {
         let Gauge { mut record, bounds, taking, .. } = self;
         let interval = |point: &UncertainInstant| Some([point.a, point.b]);
         match taking {
-            GaugeState::Between(from, to) => {
+            GaugeState::Between { from, to, length } => {
                 record.from_ns = interval(&from);
                 record.to_ns = interval(&to);
-                let extent = match from.link(&to) {
-                    Some(length) => (length, length),
-                    None => (to.a.saturating_sub(from.b), to.b.saturating_sub(from.a)),
-                };
-                judge(record, &bounds, nanos(extent))
+                judge(record, &bounds, nanos(length))
             }
             GaugeState::Edge { from, finder, mut first, past } => {
                 if let Some(rest) = finder.rest() {
@@ -347,15 +367,7 @@ pub(super) fn judge(
     bounds: &LimitNumbers,
     extent: Extent,
 ) -> MeasurementRecord {
-    let extent = by_clock(bounds.clock, extent);
-    // A quotient stays one where nothing is added to it.
-    let extent = match bounds.wander {
-        0 => extent,
-        wander => {
-            let wander = Number::Int(i128::from(wander));
-            (extent.0.minus(wander), extent.1.plus(wander))
-        }
-    };
+    let extent = bounds.by_clock(extent);
     record.value = Some([extent.0.reals().0, extent.1.reals().1]);
     let limits = bounds.limits;
     if !limits.any() {
@@ -370,15 +382,28 @@ pub(super) fn judge(
             let over = limits.max.is_some_and(|max| judged.0.is_above(max));
             (Verdict::Fail, String::from(if over { "too large" } else { "too small" }))
         }
-        (true, true) => (Verdict::Inconclusive, String::from("a limit lies within the uncertainty")),
+        (true, true) => (Verdict::Inconclusive, String::from(LIMIT_WITHIN)),
     };
     if limits.hold(extent) == (true, true) && record.verdict != Verdict::Inconclusive {
-        let sense = if record.verdict == Verdict::Pass { "accepted" } else { record.reason.as_str() };
         record.by_middle = true;
-        record.reason =
-            format!("{sense} by its middle: a limit lies within the uncertainty and `guard` is \"none\"");
+        record.reason = by_middle(&record);
     }
     record
+}
+
+/// Why a verdict is that of the middle alone.
+fn by_middle(record: &MeasurementRecord) -> String {
+    let sense = if record.verdict == Verdict::Pass { "accepted" } else { record.reason.as_str() };
+    format!("{sense} by its middle: {LIMIT_WITHIN} and `guard` is \"none\"")
+}
+
+/// The verdict of the reading, where only what the clock may be off leaves it open.
+fn by_reading(record: MeasurementRecord, reading: MeasurementRecord) -> MeasurementRecord {
+    if !matches!(reading.verdict, Verdict::Pass | Verdict::Fail) {
+        return record;
+    }
+    let reason = if reading.by_middle { reading.reason } else { by_middle(&reading) };
+    MeasurementRecord { verdict: reading.verdict, margin: reading.margin, by_middle: true, reason, ..record }
 }
 
 /// The same, open where something may have gone unseen.

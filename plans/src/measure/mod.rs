@@ -200,12 +200,13 @@ impl MeasuredQuantity {
     /// Whether the figure is a time, or what comes in a time: no value, no count, and no part of a time.
     fn depends_on_clock(&self) -> bool {
         match self {
+            MeasuredQuantity::ToEdge { .. } | MeasuredQuantity::Profile { .. } => true,
+            // The true time between two instants is asked for as such, and so is that of a speed.
             MeasuredQuantity::Between { .. }
-            | MeasuredQuantity::ToEdge { .. }
-            | MeasuredQuantity::Profile { .. } => true,
-            MeasuredQuantity::Value { .. } | MeasuredQuantity::Position { .. } => false,
+            | MeasuredQuantity::Value { .. }
+            | MeasuredQuantity::Position { .. } => false,
             MeasuredQuantity::Over { figure, .. } => {
-                !matches!(figure, WindowFigure::Duty | WindowFigure::Value(_))
+                !matches!(figure, WindowFigure::Duty | WindowFigure::Value(_) | WindowFigure::Speed)
             }
         }
     }

@@ -95,11 +95,14 @@ impl SpanStatistics {
 }
 
 impl WindowMeasurement {
+    /// `end` is the end of the case at the earliest and at the latest, `length` the least and greatest true time that the
+    /// window lasts.
     pub(super) fn new(
         window: UncertainWindow,
         figure: WindowFigure,
         info: &SignalInfo,
         end: (i64, i64),
+        length: (i64, i64),
     ) -> WindowMeasurement {
         let slack = slack(info);
         let follow = match figure {
@@ -126,7 +129,7 @@ impl WindowMeasurement {
                 let squares = take == Statistic::Rms;
                 WindowFollower::Values(Box::new(Extremes::new(window).with_mean(squares)))
             }
-            WindowFigure::Speed => WindowFollower::Speed(Box::new(SpeedFollower::new(window))),
+            WindowFigure::Speed => WindowFollower::Speed(Box::new(SpeedFollower::new(window, length))),
         };
         WindowMeasurement { window, figure, follow, end, slack }
     }
@@ -227,7 +230,13 @@ impl WindowMeasurement {
                 let Some(extent) = found.extent else {
                     return missing(record, found.doubtful, "fewer than three edges lie in the window");
                 };
-                let record = judge(record, bounds, extent);
+                let bounds = match figure {
+                    WindowFigure::Jitter(asked) if asked.grid.is_some() => {
+                        bounds.of_true_grid(found.wanders_over)
+                    }
+                    _ => *bounds,
+                };
+                let record = judge(record, &bounds, extent);
                 match (found.doubtful, found.can_be_missing) {
                     (true, _) => open(record, NOT_KNOWN),
                     (_, true) => open(record, "it is open whether three edges lie in the window"),

@@ -51,12 +51,21 @@ impl ClockLimits {
         }
     }
 
-    /// Limits of a figure that is a time, or one by a time such as a frequency; `more` is what else it may be off.
-    pub(crate) fn figures(self, limits: NumberLimits, more: Number) -> NumberLimits {
-        let extent = |limit: Number| {
-            let (low, high) = by_clock(self.error, (limit, limit));
-            (low.minus(more), high.plus(more))
-        };
+    /// Limits of a figure that is a time, or one by a time such as a frequency.
+    pub(crate) fn figures(self, limits: NumberLimits) -> NumberLimits {
+        self.widened(limits, |limit| by_clock(self.error, (limit, limit)))
+    }
+
+    /// Limits of how far something stands off a grid of true time, above 0: by what the clock is off in so many nanoseconds.
+    pub(crate) fn of_true_grid(self, limits: NumberLimits, wanders_over: i64) -> NumberLimits {
+        let off = Number::Int(i128::from(self.error.of(Span::from_nanos(wanders_over)).as_nanos()));
+        self.widened(limits, |limit| match limit.is_above(Number::ZERO) {
+            true => (limit.minus(off), limit.plus(off)),
+            false => (limit, limit.plus(off)),
+        })
+    }
+
+    fn widened(self, limits: NumberLimits, extent: impl Fn(Number) -> Extent + Copy) -> NumberLimits {
         let outward = self.end == LimitEnd::Loosest;
         NumberLimits {
             min: limits.min.map(extent).map(|(low, high)| if outward { low } else { high }),
@@ -131,7 +140,7 @@ mod tests {
         assert_eq!(at(LimitEnd::Strictest).spans((0, i64::MAX)), (0, i64::MAX));
         assert_eq!(ClockLimits::default().spans(limits), limits);
         let hertz = NumberLimits { min: Some(Number::Real(49.0)), max: Some(Number::Int(51)) };
-        let loose = at(LimitEnd::Loosest).figures(hertz, Number::ZERO);
+        let loose = at(LimitEnd::Loosest).figures(hertz);
         let (min, max) = (loose.min.unwrap().as_real(), loose.max.unwrap().as_real());
         assert!(min < 49.0 / 1.0001 && min > 48.99 && max >= 51.0 * 1.0001, "{min} {max}");
     }

@@ -55,6 +55,8 @@ pub struct JitterResult {
     pub can_be_missing: bool,
     /// More edges may be hidden where nothing is known, or there were too many to look at each.
     pub doubtful: bool,
+    /// Against a given grid: how much a clock whose rate is off makes of it at most, as a time of which it is that part, nanoseconds.
+    pub wanders_over: i64,
     /// Of a span: the edge that is latest, or ends the longest period, and the earliest or that of the shortest one.
     pub farthest: Option<(TimedValue, TimedValue)>,
 }
@@ -240,6 +242,8 @@ pub struct Jitter {
     finder: EdgeFinder,
     first: Option<TimedValue>,
     last: Option<TimedValue>,
+    /// The longest period, nanoseconds.
+    longest: i64,
     /// Edges so far.
     number: i64,
     /// The grid that distances are taken from: the given one, or a rough one by the first period.
@@ -260,6 +264,7 @@ impl Jitter {
             finder: EdgeFinder::new(edge, slack),
             first: None,
             last: None,
+            longest: 0,
             number: 0,
             grid: asked.grid,
             sure: Points::new(&asked),
@@ -302,6 +307,7 @@ impl Jitter {
                 (self.number, (from(seen.a), from(seen.b)), certain)
             }
             (JitterReference::Periods, Some(before)) => {
+                self.longest = self.longest.max(seen.b.saturating_sub(before.a));
                 let least = away(seen.a.saturating_sub(before.b), 1);
                 let most = away(seen.b.saturating_sub(before.a), 1);
                 (self.number, (least, most), certain && self.window.must_hold(&before))
@@ -322,6 +328,18 @@ impl Jitter {
         self.doubtful |= self.window.can_hold(seen);
     }
 
+    /// Each edge stands off the grid by a part of its time since the first one, each period by a part of itself. Numbers
+    /// that lie within a range have a root mean square about their mean of at most half of it.
+    fn wanders_over(&self) -> i64 {
+        let edges = self.first.zip(self.last).map_or(0, |(first, last)| last.b.saturating_sub(first.a));
+        match (self.asked.grid, self.asked.compared, self.asked.rms) {
+            (None, ..) => 0,
+            (_, JitterReference::Periods, _) => self.longest,
+            (_, JitterReference::Edges, false) => edges,
+            (_, JitterReference::Edges, true) => edges / 2 + edges % 2,
+        }
+    }
+
     /// What it came to when nothing comes any more.
     pub fn finish(mut self) -> JitterResult {
         if let Some(rest) = self.finder.rest() {
@@ -331,6 +349,7 @@ impl Jitter {
             edges: self.edges,
             can_be_missing: self.edges.0 < FEWEST,
             doubtful: self.doubtful,
+            wanders_over: self.wanders_over(),
             ..JitterResult::default()
         };
         if self.edges.1 < FEWEST {

@@ -17,15 +17,15 @@ pub struct SpeedResult {
 /// Follows one signal.
 #[derive(Clone, Debug)]
 pub struct SpeedFollower {
-    window: UncertainWindow,
+    length: (i64, i64),
     from: ValueReader,
     until: ValueReader,
 }
 
 impl SpeedFollower {
-    /// Over this window.
-    pub fn new(window: UncertainWindow) -> SpeedFollower {
-        SpeedFollower { window, from: ValueReader::new(window.from), until: ValueReader::new(window.until) }
+    /// Over this window, which lasts for at least and at most so many nanoseconds.
+    pub fn new(window: UncertainWindow, length: (i64, i64)) -> SpeedFollower {
+        SpeedFollower { length, from: ValueReader::new(window.from), until: ValueReader::new(window.until) }
     }
 
     /// The next event.
@@ -41,19 +41,12 @@ impl SpeedFollower {
     /// While a number goes from one value to the next it may be any between the two, and every placement of both ends is
     /// taken with every value of both: the extent may be too wide, never too narrow.
     pub fn finish(self, slack: f64) -> Option<SpeedResult> {
-        let SpeedFollower { window, from, until } = self;
+        let SpeedFollower { length, from, until } = self;
         let until = until.finish();
         let last = until.last().map(|candidate| candidate.seen);
         let from = from.finish();
         let (begin, end) = (extent(&from, slack)?, extent(&until, slack)?);
         let change = (end.0.minus(begin.1), end.1.minus(begin.0));
-        let length = match window.link {
-            Some(length) => (length, length),
-            None => {
-                let (from, until) = (window.from, window.until);
-                (until.a.saturating_sub(from.b), until.b.saturating_sub(from.a))
-            }
-        };
         let (Ok(short @ 1..), Ok(long)) = (u64::try_from(length.0), u64::try_from(length.1)) else {
             return None;
         };
@@ -123,7 +116,8 @@ mod tests {
                 events.push(event(at, at + wide, value, place));
             }
             let window = UncertainWindow::new(point(from.0, from.0 + from.1, 1), point(until.0, until.0 + until.1, 2)).unwrap();
-            let mut speed = SpeedFollower::new(window);
+            let length = (window.until.a - window.from.b, window.until.b - window.from.a);
+            let mut speed = SpeedFollower::new(window, length);
             events.iter().for_each(|seen| speed.see(seen));
             let found = speed.finish(0.0).unwrap();
             // A number is any on the way from one to the next while that may be under way.

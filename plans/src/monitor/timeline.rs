@@ -106,12 +106,39 @@ impl<'a> CaseTimeline<'a> {
     }
 
     fn resolve(&self, anchor: &Anchor) -> Option<UncertainInstant> {
+        self.stamped(anchor).map(|point| point.by_clock(self.clock.error))
+    }
+
+    /// An instant as the clock has it.
+    fn stamped(&self, anchor: &Anchor) -> Option<UncertainInstant> {
         let closed = if self.closing && anchor.base == AnchorBase::End {
             self.anchors.closed(anchor.offset)
         } else {
             None
         };
-        closed.or_else(|| self.anchors.resolve(anchor)).map(|point| point.by_clock(self.clock.error))
+        closed.or_else(|| self.anchors.resolve(anchor))
+    }
+
+    /// The true time from one instant to another, at least and at most, nanoseconds. Only of what lies between the events that
+    /// they count from a part is wrong: the distances from these are true time.
+    ///
+    /// # Errors
+    /// [`NotJudged::NeverCame`].
+    pub(crate) fn time_between(&self, from: &Anchor, until: &Anchor) -> Result<(i64, i64), NotJudged> {
+        let stamped = |anchor| self.stamped(anchor).ok_or_else(|| NotJudged::NeverCame(anchor.to_string()));
+        let (from, until) = (stamped(from)?, stamped(until)?);
+        if let Some(length) = from.link(&until) {
+            return Ok((length, length));
+        }
+        let offsets = until.offset.saturating_sub(from.offset);
+        let base = |at: i64, point: &UncertainInstant| at.saturating_sub(point.offset);
+        let least = base(until.a, &until).saturating_sub(base(from.b, &from));
+        let most = base(until.b, &until).saturating_sub(base(from.a, &from));
+        let off = |length: i64| self.clock.error.of(Span::from_nanos(length)).as_nanos();
+        Ok((
+            least.saturating_sub(off(least)).saturating_add(offsets),
+            most.saturating_add(off(most)).saturating_add(offsets),
+        ))
     }
 
     /// Place in the trace after which nothing counts.
