@@ -145,13 +145,17 @@ impl SettlesClaim {
     }
 
     fn bind(&self, info: &SignalInfo) -> Result<(ValueTest, Option<OvershootLimit>), String> {
-        if !matches!(info.kind, ValueKind::Real | ValueKind::Int | ValueKind::Word) {
+        if !is_number(info) {
             return Err(format!("`{}` is no number that could settle", info.name));
         }
         let test = self.band.bind(info)?;
         let beyond = self.beyond(&test, info)?;
         Ok((test, beyond))
     }
+}
+
+fn is_number(info: &SignalInfo) -> bool {
+    matches!(info.kind, ValueKind::Real | ValueKind::Int | ValueKind::Word)
 }
 
 impl TraceClaim for SettlesClaim {
@@ -178,7 +182,11 @@ impl TraceClaim for SettlesClaim {
 
     fn check(&self, wiring: &TraceSignals<'_>, out: &mut Vec<Diagnostic>) {
         if let Some(info) = super::known(&self.signal, wiring, out) {
-            super::meant(self.bind(info).map(drop), &what_to_write(info), out);
+            let help = match is_number(info) {
+                true => what_to_write(info),
+                false => String::from("name a number; of a line claim `becomes`, and `stays` from then on"),
+            };
+            super::meant(self.bind(info).map(drop), &help, out);
         }
     }
 
