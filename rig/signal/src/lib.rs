@@ -12,6 +12,7 @@ mod event;
 mod image;
 mod quantity;
 mod random;
+mod recording;
 mod serial;
 mod time;
 pub mod trace;
@@ -27,6 +28,7 @@ pub use event::{
 pub use image::Image;
 pub use quantity::{Decimal, Quantity, QuantityError, QuantityFault, QuantityRange, Unit, is_range};
 pub use random::Random;
+pub use recording::SignalRecording;
 pub use serial::{
     MAX_SERIAL_DATA, Parity, SerialErrors, SerialFlaw, SerialMessage, SerialOutput, SerialSettings,
 };

@@ -181,6 +181,23 @@ impl Trace {
         }
     }
 
+    /// Records an event that another trace has kept, as it has it: the signal's [`Policy`] is not asked once more.
+    ///
+    /// # Errors
+    /// As [`Trace::push`].
+    pub fn push_kept(&mut self, event: Event) -> Result<Option<Event>, TraceError> {
+        let Some(info) = self.signals.get(event.signal.0 as usize) else {
+            return Err(TraceError::UnknownSignal(event.signal));
+        };
+        if let Some(error) = self.broken {
+            return Err(error);
+        }
+        match self.state.last(event.signal) {
+            Some(last) if info.kind != ValueKind::Mark && !is_news(&last, &event) => Ok(None),
+            _ => self.append(event).map(Some),
+        }
+    }
+
     /// Records a value that [`Policy::AtMostEvery`] kept waiting until before `now`, and returns it; `None` if there
     /// is none left. Due before an event at `now` is pushed: until then the trace says that the value is not known.
     ///
