@@ -62,6 +62,6 @@ fn dump(run: &record::RunRecord) -> String {
     events.sort_by_key(|event| event.at.latest);
     let mut out = Vec::new();
     // Writing to memory does not fail.
-    let _ = scanrig_reports::vcd::write(&signals, events, &run.rig_version, &mut out);
+    let _ = scanrig_reports::vcd::write(&signals, &events, &run.rig_version, &mut out);
     String::from_utf8(out).unwrap_or_default()
 }

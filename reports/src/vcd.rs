@@ -1,13 +1,24 @@
 //! Value change dumps (IEEE 1364-2001, 18.2) for waveform viewers and logic analyser tools.
 //!
 //! A change that is known to lie within an interval is written at its latest instant: from there on the
-//! value is certain. Instants before the trace's origin are written at 0. Changes are put in order of that
-//! instant within a bounded buffer; one that comes later still is written at the instant reached. Comments say what
-//! else the trace knew: `note KEY VALUE`, and at the end `widest SIGNAL N ns`, how far apart the earliest and the
-//! latest instant of a change lie at most. A number that was measured has a variable beside it with how far the truth may lie from it, and
-//! in the header `uncertainty VARIABLE SIGNAL`.
+//! value is certain. Changes are put in order of that instant within a bounded buffer; one that comes later still is
+//! written at the instant reached.
+//!
+//! Comments say what else the trace knew, so that the dump can be judged again (`capture::vcd` reads them):
+//!
+//! - `note KEY VALUE`: a note of the trace.
+//! - `recorded SIGNAL HOW`: its [`SignalRecording`].
+//! - `uncertainty VARIABLE SIGNAL`: a number that was measured has a variable beside it with how far the truth may lie from it.
+//! - `origin N ns`: the instant of the trace that is 0 in the dump, if another.
+//! - At the end `widest SIGNAL N ns`: how far before its instant in the dump a change may have happened at most, and
+//!   `complete`, without which the dump was cut off.
+//!
+//! What the trace knows and a dump does not: the width of each single change, who made it, why a value is not known, and a
+//! real number that is none (NaN), which is not known in the dump.
 
-use signal::{ClockDomain, Event, SignalId, SignalInfo, Trace, TraceError, Value, ValueKind};
+use signal::{
+    ClockDomain, Event, SignalId, SignalInfo, SignalRecording, Time, Trace, TraceError, Value, ValueKind,
+};
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
 use std::io::{self, Write};
@@ -19,6 +30,8 @@ const REORDER: usize = 4_096;
 
 /// Writes the signals and their changes, timescale 1 ns.
 ///
+/// How the signals were recorded it does not say: such a dump is looked at, and not judged again.
+///
 /// Booleans are one bit with `z` and `x`, numbers and states vectors of 64 bits (two's complement), real
 /// numbers `real`, marks 64-bit counters. The labels of states stand in a comment of the header. Events of
 /// signals that `signals` does not hold are left out. `signals` in the order of their [`SignalId`]s.
@@ -27,13 +40,15 @@ const REORDER: usize = 4_096;
 /// Those of `out`.
 pub fn write<W: Write>(
     signals: &[SignalInfo],
-    events: impl IntoIterator<Item = Event>,
+    events: &[Event],
     rig_version: &str,
     out: W,
 ) -> io::Result<()> {
-    let mut sink = VcdWriter::begin(signals, rig_version, out)?;
+    let mut before = BeforeWriting::new(signals);
+    events.iter().for_each(|event| before.see(event));
+    let mut sink = VcdWriter::begin(signals, &before, rig_version, out, |_| Ok(()))?;
     for event in events {
-        sink.push(&event)?;
+        sink.push(event)?;
     }
     sink.finish()
 }
@@ -49,53 +64,89 @@ pub enum VcdError {
     Output(#[source] io::Error),
 }
 
-/// Writes a whole trace with its notes; see [`write()`].
+/// Writes a whole trace with its notes, so that it can be judged again; see [`write()`].
 ///
 /// # Errors
 /// [`VcdError`]: reading the trace or writing the dump failed.
 pub fn write_trace<W: Write>(trace: &Trace, rig_version: &str, out: W) -> Result<(), VcdError> {
+    write_all(trace, true, rig_version, out)
+}
+
+/// The same without how the signals were recorded, of a trace that does not know it: it is looked at, and not judged again.
+///
+/// # Errors
+/// As [`write_trace`].
+pub fn write_waves<W: Write>(trace: &Trace, rig_version: &str, out: W) -> Result<(), VcdError> {
+    write_all(trace, false, rig_version, out)
+}
+
+fn write_all<W: Write>(
+    trace: &Trace,
+    says_recording: bool,
+    rig_version: &str,
+    out: W,
+) -> Result<(), VcdError> {
     let notes = |writer: &mut Writer<W>| -> io::Result<()> {
         for (key, value) in trace.notes() {
-            writer.comment(&format!("note {} {}", word(key), escaped(value)))?;
+            writer.comment(&format!("note {} {}", escaped(key).replace(' ', "\\s"), escaped(value)))?;
         }
         Ok(())
     };
+    let mut before = BeforeWriting { says_recording, ..BeforeWriting::new(trace.signals()) };
+    for event in trace.events() {
+        before.see(&event.map_err(VcdError::Trace)?);
+    }
     let mut sink =
-        VcdWriter::begin_with(trace.signals(), rig_version, out, notes).map_err(VcdError::Output)?;
+        VcdWriter::begin(trace.signals(), &before, rig_version, out, notes).map_err(VcdError::Output)?;
     for event in trace.events() {
         sink.push(&event.map_err(VcdError::Trace)?).map_err(VcdError::Output)?;
     }
     sink.finish().map_err(VcdError::Output)
 }
 
+/// What the header says of the events, found before they are written.
+struct BeforeWriting {
+    /// The instant, in nanoseconds, that is 0 in the dump, which has none before that: 0, or the earliest of the trace.
+    origin: i64,
+    /// Of each signal whether a number of it was measured.
+    measured: Vec<bool>,
+    /// Whether it says how each signal was recorded.
+    says_recording: bool,
+}
+
+impl BeforeWriting {
+    fn new(signals: &[SignalInfo]) -> BeforeWriting {
+        BeforeWriting { origin: 0, measured: vec![false; signals.len()], says_recording: false }
+    }
+
+    fn see(&mut self, event: &Event) {
+        let Some(measured) = self.measured.get_mut(event.signal.0 as usize) else { return };
+        *measured |= event.value.uncertainty() > 0.0;
+        self.origin = self.origin.min(event.at.earliest.as_nanos());
+    }
+}
+
 /// A dump that is being written, for events that come one by one or may fail to be read.
-pub struct VcdWriter<'a, W: Write> {
+struct VcdWriter<'a, W: Write> {
     writer: Writer<W>,
     signals: &'a [SignalInfo],
     codes: Vec<IdCode>,
     names: Vec<String>,
     /// Of signals that are measured: the variable of their uncertainty, and what it has.
     uncertainties: Vec<Option<(IdCode, f64)>>,
-    /// How far the earliest and the latest instant of a change of each signal lie apart at most.
-    widest: Vec<i64>,
+    /// How far before its instant in the dump a change of each signal may have happened at most.
+    widest: Vec<u64>,
+    /// The instant, in nanoseconds, that is 0 in the dump.
+    origin: i64,
     /// Waiting changes: instant, then order of arrival.
     waiting: BinaryHeap<Reverse<(u64, u64, PendingChange)>>,
     arrived: u64,
     now: u64,
 }
 
-impl<W: Write> std::fmt::Debug for VcdWriter<'_, W> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Sink")
-            .field("signals", &self.signals.len())
-            .field("now", &self.now)
-            .finish_non_exhaustive()
-    }
-}
-
-/// A change in the heap; ordered only so that the heap's key is complete.
+/// A change in the heap, with the earliest instant at which it may have happened; ordered only so that the heap's key is complete.
 #[derive(Clone, Copy, Debug)]
-struct PendingChange(SignalId, Value);
+struct PendingChange(SignalId, Value, u64);
 
 impl PartialEq for PendingChange {
     fn eq(&self, _: &Self) -> bool {
@@ -115,18 +166,11 @@ impl Ord for PendingChange {
 }
 
 impl<'a, W: Write> VcdWriter<'a, W> {
-    /// Writes the header; every signal is unknown until its first event.
-    ///
-    /// # Errors
-    /// Those of `out`.
-    pub fn begin(signals: &'a [SignalInfo], rig_version: &str, out: W) -> io::Result<Self> {
-        VcdWriter::begin_with(signals, rig_version, out, |_| Ok(()))
-    }
-
-    /// The same with the notes of the trace, comments `note KEY VALUE` with which the dump can be judged again. They
-    /// stand in the header: sigrok reads nothing after a comment among the values.
-    fn begin_with(
+    /// Writes the header; every signal is unknown until its first event. `notes` writes the notes of the trace, which stand in
+    /// the header: sigrok reads nothing after a comment among the values.
+    fn begin(
         signals: &'a [SignalInfo],
+        before: &BeforeWriting,
         rig_version: &str,
         out: W,
         notes: impl FnOnce(&mut Writer<W>) -> io::Result<()>,
@@ -140,8 +184,15 @@ impl<'a, W: Write> VcdWriter<'a, W> {
         }
         notes(&mut writer)?;
         let names = names(signals);
-        let beside: Vec<Option<String>> =
-            signals.iter().zip(&names).map(|(info, name)| beside(info, name, &names)).collect();
+        for (info, name) in signals.iter().zip(&names).filter(|_| before.says_recording) {
+            writer.comment(&format!("recorded {name} {}", SignalRecording::of(info)))?;
+        }
+        if before.origin != 0 {
+            writer.comment(&format!("origin {} ns", before.origin))?;
+        }
+        let beside: Vec<Option<String>> = (signals.iter().zip(&names).zip(&before.measured))
+            .map(|((info, name), measured)| beside(info, *measured, name, &names))
+            .collect();
         for (name, beside) in names.iter().zip(&beside) {
             if let Some(beside) = beside {
                 writer.comment(&format!("uncertainty {beside} {name}"))?;
@@ -188,6 +239,7 @@ impl<'a, W: Write> VcdWriter<'a, W> {
             names,
             uncertainties,
             widest,
+            origin: before.origin,
             waiting: BinaryHeap::new(),
             arrived: 0,
             now: 0,
@@ -199,12 +251,10 @@ impl<'a, W: Write> VcdWriter<'a, W> {
     /// # Errors
     /// Those of the output.
     pub fn push(&mut self, event: &Event) -> io::Result<()> {
-        let at = u64::try_from(event.at.latest.as_nanos()).unwrap_or(0);
-        if let Some(widest) = self.widest.get_mut(event.signal.0 as usize) {
-            let width = event.at.latest.as_nanos().saturating_sub(event.at.earliest.as_nanos());
-            *widest = width.max(*widest);
-        }
-        self.waiting.push(Reverse((at, self.arrived, PendingChange(event.signal, event.value))));
+        let since_origin = |at: Time| u64::try_from(i128::from(at.as_nanos()) - i128::from(self.origin));
+        let [earliest, latest] = [event.at.earliest, event.at.latest].map(|at| since_origin(at).unwrap_or(0));
+        let change = PendingChange(event.signal, event.value, earliest);
+        self.waiting.push(Reverse((latest, self.arrived, change)));
         self.arrived += 1;
         if self.waiting.len() > REORDER { self.write_next() } else { Ok(()) }
     }
@@ -220,11 +270,14 @@ impl<'a, W: Write> VcdWriter<'a, W> {
         for (name, width) in self.names.iter().zip(&self.widest).filter(|(_, width)| **width > 0) {
             self.writer.comment(&format!("widest {name} {width} ns"))?;
         }
+        self.writer.comment("complete")?;
         self.writer.flush()
     }
 
     fn write_next(&mut self) -> io::Result<()> {
-        let Some(Reverse((at, _, PendingChange(id, value)))) = self.waiting.pop() else { return Ok(()) };
+        let Some(Reverse((at, _, PendingChange(id, value, earliest)))) = self.waiting.pop() else {
+            return Ok(());
+        };
         let place = id.0 as usize;
         let (Some(info), Some(&code)) = (self.signals.get(place), self.codes.get(place)) else {
             return Ok(());
@@ -234,6 +287,8 @@ impl<'a, W: Write> VcdWriter<'a, W> {
             self.writer.timestamp(at)?;
             self.now = at;
         }
+        // By where the change stands, which is later than its latest instant where it came too late to be put in order.
+        self.widest[place] = self.widest[place].max(at - earliest);
         match info.kind {
             ValueKind::Bool => self.writer.change_scalar(code, scalar(value)),
             ValueKind::Real => {
@@ -298,9 +353,9 @@ pub fn names(signals: &[SignalInfo]) -> Vec<String> {
 }
 
 /// The name of the variable beside a signal with how well its numbers are known; `None` for one that is not measured.
-fn beside(info: &SignalInfo, name: &str, names: &[String]) -> Option<String> {
-    let is_measured = info.kind == ValueKind::Real && info.clock != ClockDomain::Virtual;
-    is_measured.then(|| {
+fn beside(info: &SignalInfo, measured: bool, name: &str, names: &[String]) -> Option<String> {
+    let has_variable = info.kind == ValueKind::Real && (measured || info.clock != ClockDomain::Virtual);
+    has_variable.then(|| {
         let mut beside = format!("{name}_uncertainty");
         while names.contains(&beside) {
             beside.push('_');
@@ -337,7 +392,7 @@ fn word(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use signal::{Cause, Time, When};
+    use signal::{Cause, When};
 
     fn event(signal: u32, earliest: i64, latest: i64, value: Value) -> Event {
         let at = When::within(Time::from_nanos(earliest), Time::from_nanos(latest));
@@ -394,7 +449,7 @@ mod tests {
             event(9, 10, 10, Value::Bool(true)),
         ];
         let mut out = Vec::new();
-        write(&signals, events, "0.1.0", &mut out).unwrap();
+        write(&signals, &events, "0.1.0", &mut out).unwrap();
         let seen = read(&out);
         let after: Vec<_> =
             seen.iter().filter(|(at, ..)| *at > 0).map(|(at, n, v)| (*at, n.as_str(), v.as_str())).collect();
@@ -421,8 +476,8 @@ mod tests {
             trace.push(event).unwrap();
         }
         let (mut whole, mut parts) = (Vec::new(), Vec::new());
-        write_trace(&trace, "0.1.0", &mut whole).unwrap();
-        write(trace.signals(), events, "0.1.0", &mut parts).unwrap();
+        write_waves(&trace, "0.1.0", &mut whole).unwrap();
+        write(trace.signals(), &events, "0.1.0", &mut parts).unwrap();
         assert_eq!(whole, parts);
         assert_eq!(read(&whole).last().map(|(at, _, v)| (*at, v.as_str())), Some((12, "0")));
     }
@@ -442,7 +497,7 @@ mod tests {
             event(2, 4, 4, Value::Real(7.0)),
         ];
         let mut out = Vec::new();
-        write(&signals, events, "0.1.0", &mut out).unwrap();
+        write(&signals, &events, "0.1.0", &mut out).unwrap();
         let text = String::from_utf8_lossy(&out).into_owned();
         assert!(text.contains("uncertainty u_uncertainty_ u\n"), "{text}");
         assert!(!text.contains("modelled_uncertainty"), "{text}");
@@ -462,8 +517,10 @@ mod tests {
             event(1, 120, 120, Value::Bool(true)),
         ];
         let mut out = Vec::new();
-        write(&signals, events, "", &mut out).unwrap();
+        write(&signals, &events, "", &mut out).unwrap();
         let seen: Vec<_> = read(&out).into_iter().skip(2).map(|(at, n, v)| (at, n + &v)).collect();
-        assert_eq!(seen, [(0, "a1".into()), (120, "b1".into()), (200, "a0".into())]);
+        // 0 is 50 ns before that of the trace.
+        assert_eq!(seen, [(10, "a1".into()), (170, "b1".into()), (250, "a0".into())]);
+        assert!(String::from_utf8_lossy(&out).contains("origin -50 ns\n"));
     }
 }

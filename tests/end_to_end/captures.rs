@@ -339,6 +339,13 @@ fn a_trace_of_the_rig_says_everything_itself() {
     let bench = TestProject::new();
     bench.expect(0, &["test", "lamp.toml", "--report", "out"]);
     bench.refused(&["judge", "lamp.toml", "out/traces/lamp.trace", "--start", "0 s"], &["rig's own"]);
+    // As do its dumps; one that does not is none to be judged.
+    let dump = bench.read("out/traces/lamp.vcd");
+    bench.refused(&["judge", "lamp.toml", "out/traces/lamp.vcd", "--period", "1 us"], &["R0213", "--period"]);
+    bench.write("older.vcd", &dump.replace("    recorded ", "    was "));
+    bench.refused(&["judge", "lamp.toml", "older.vcd"], &["R0170", "does not say how"]);
+    bench.write("cut.vcd", &dump[..dump.rfind("$comment").unwrap()]);
+    bench.refused(&["judge", "lamp.toml", "cut.vcd"], &["R0170", "cut off"]);
     // A dump's instants can be given again: then the press is half a second later than it was.
     let moved = ["judge", "lamp.toml", "out/traces/lamp.vcd", "--start", "2 s"];
     assert!(bench.expect(1, &moved).out.contains("too early"));

@@ -29,7 +29,8 @@ impl CaptureBuilder {
         if let Some(first) = self.channels.iter_mut().find(|known| shares_name && known.name == name) {
             first.shares_name = true;
         }
-        self.channels.push(CapturedChannel { name: unique, shares_name, unit: unit.to_owned(), shape });
+        let unit = unit.to_owned();
+        self.channels.push(CapturedChannel { name: unique, shares_name, unit, shape, recording: None });
         self.last.push(None);
         Some(self.channels.len() as u32 - 1)
     }
@@ -45,9 +46,16 @@ impl CaptureBuilder {
 
     /// Adds a change, if it is one. `false` where there are too many.
     pub(crate) fn change(&mut self, channel: u32, at: When, value: Value) -> bool {
-        if !self.is_change(channel, value) {
-            return true;
-        }
+        if self.is_change(channel, value) { self.push(channel, at, value) } else { true }
+    }
+
+    /// The same of a file in which the first word on a channel may be that it is not known, which says more than none.
+    pub(crate) fn change_or_unknown(&mut self, channel: u32, at: When, value: Value) -> bool {
+        let is_first = !self.is_known(channel);
+        if is_first || self.is_change(channel, value) { self.push(channel, at, value) } else { true }
+    }
+
+    fn push(&mut self, channel: u32, at: When, value: Value) -> bool {
         if self.changes.len() >= MAX_CHANGES {
             return false;
         }

@@ -130,6 +130,7 @@ mod tests {
             shares_name: false,
             unit: String::new(),
             shape: ChannelType::Bit,
+            recording: None,
         };
         let one = |&(channel, earliest, latest): &(u32, i64, i64)| CapturedChange {
             channel,

@@ -2,7 +2,7 @@
 //! known.
 
 use crate::{Capture, CapturedChange, CapturedChannel, ChannelType};
-use signal::{Value, When};
+use signal::{Policy, SignalRecording, Value, When};
 
 /// How far the truth may lie from a reading, either way.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -142,6 +142,10 @@ impl Capture {
                 shares_name: of.shares_name,
                 unit: String::new(),
                 shape: ChannelType::Bit,
+                // The rule has what a deadband leaves open; a level has none.
+                recording: of
+                    .recording
+                    .map(|recording| SignalRecording { policy: Policy::Changes, ..recording }),
             });
             detectors.push((channel, LevelDetector { rule, level: None, passing: None }));
         }

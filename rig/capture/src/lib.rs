@@ -24,7 +24,7 @@ pub use error::{CaptureError, CapturePlace};
 pub use instrument::{ChannelErrors, InstrumentErrors, TimebaseErrors};
 pub use levels::{LevelRule, ReadingError};
 
-use signal::{Span, Value, When};
+use signal::{SignalRecording, Span, Value, When};
 
 /// The most bytes of a file that is read.
 pub const MAX_FILE: u64 = 256 << 20;
@@ -58,7 +58,7 @@ pub enum ChannelType {
 }
 
 /// A channel.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct CapturedChannel {
     /// Its name; unique in its capture.
     pub name: String,
@@ -69,6 +69,9 @@ pub struct CapturedChannel {
     pub unit: String,
     /// What its values look like.
     pub shape: ChannelType,
+    /// How the trace of the rig's own recorded it whose dump this is; `None` in files of other instruments, and in dumps that do
+    /// not say it.
+    pub recording: Option<SignalRecording>,
 }
 
 /// A change of a channel: [`Value::Bool`], [`Value::Word`], [`Value::Int`], [`Value::Real`], or not known.

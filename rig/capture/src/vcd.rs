@@ -1,20 +1,24 @@
 //! Value change dumps.
 //!
 //! A change at a timestamp lies within the timescale before or after it; within the time between two samples where the file
-//! (sigrok's comment) or the user says it. A dump of the rig itself says in comments what its trace knew.
+//! (sigrok's comment) or the user says it. A dump of the rig itself says in comments what its trace knew: `reports::vcd` has
+//! them one by one.
 
 use crate::builder::{CaptureBuilder, FEWER, too_many_changes, too_many_channels};
 use crate::time::{hertz, period as period_of, ticks};
 use crate::{Capture, CaptureError, ChannelType, Knowledge};
-use signal::{Span, Time, Value, When};
+use signal::{SignalRecording, Span, Time, Value, When};
 use std::collections::BTreeMap;
 use std::io::Read;
-use vcd::{Command, IdCode, Parser, TimescaleUnit, VarType};
+use vcd::{Command, IdCode, Parser, SimulationCommand, TimescaleUnit, VarType};
 
 /// What a dump of the rig's own begins its version with.
 const OWN: &str = "rig ";
 
-/// Reads a dump.
+/// What to do about a dump of the rig's own that does not say everything.
+const AGAIN: &str = "name the trace beside it, or write it again: rig report RUN --out DIR --format vcd";
+
+/// Reads a dump. Of one of the rig's own `period` is not asked: it says itself what is known.
 ///
 /// # Errors
 /// [`CaptureError`] with the line.
@@ -33,6 +37,10 @@ pub fn read(bytes: &[u8], period: Option<Span>) -> Result<Capture, CaptureError>
         widest: BTreeMap::new(),
         beside: BTreeMap::new(),
         uncertainties: BTreeMap::new(),
+        recordings: BTreeMap::new(),
+        origin: Span::ZERO,
+        complete: false,
+        initial: false,
         defined: false,
     };
     // The last word ends with the file, too.
@@ -79,6 +87,14 @@ struct VcdReader {
     beside: BTreeMap<String, String>,
     /// The name of the channel by the code of such a variable, and what it has.
     uncertainties: BTreeMap<IdCode, (String, f64)>,
+    /// How the trace recorded each signal, by the name of its variable.
+    recordings: BTreeMap<String, SignalRecording>,
+    /// The instant of the trace at which the dump has 0.
+    origin: Span,
+    /// Whether the comment that ends a dump of the rig's own has come.
+    complete: bool,
+    /// Whether what comes is what every variable is before the first change.
+    initial: bool,
     defined: bool,
 }
 
@@ -87,7 +103,7 @@ type Wrong = (String, &'static str);
 impl VcdReader {
     fn take(&mut self, command: Command) -> Result<(), Wrong> {
         match command {
-            Command::Comment(text) => self.comment(&text),
+            Command::Comment(text) => self.comment(&text)?,
             Command::Version(text) => self.own = text.starts_with(OWN),
             Command::Timescale(number, unit) => {
                 let wrong = || (String::from("a timescale of 0"), "write 1, 10 or 100 and a unit");
@@ -114,6 +130,9 @@ impl VcdReader {
                 }
                 let channel = self.builder.channel(&name, "", shape);
                 let channel = channel.ok_or_else(|| (too_many_channels(), "dump fewer"))?;
+                if self.own {
+                    self.builder.channels[channel as usize].recording = self.recordings.get(&name).copied();
+                }
                 self.codes.entry(code).or_default().push(channel);
             }
             Command::Enddefinitions => self.defined = true,
@@ -126,9 +145,12 @@ impl VcdReader {
                 }
                 self.ticks = at;
                 let wrong = || (format!("#{at} is beyond 292 years"), "check the timescale");
-                self.now = ticks(at, self.femtoseconds).ok_or_else(wrong)?;
+                let (below, above) = ticks(at, self.femtoseconds).ok_or_else(wrong)?;
+                self.now = (below.saturating_add(self.origin), above.saturating_add(self.origin));
                 self.first.get_or_insert(self.now.0);
             }
+            Command::Begin(SimulationCommand::Dumpvars) => self.initial = true,
+            Command::End(SimulationCommand::Dumpvars) => self.initial = false,
             Command::ChangeScalar(code, value) => self.change(code, scalar(value))?,
             Command::ChangeVector(code, bits) => self.change(code, vector(&bits)?)?,
             Command::ChangeReal(code, real) => {
@@ -136,7 +158,12 @@ impl VcdReader {
                     *known = real;
                     return Ok(());
                 }
-                let value = if real.is_finite() { self.measured(code, real) } else { Value::Unknown };
+                let value = match real {
+                    real if real.is_finite() => self.measured(code, real),
+                    // A program can compute it.
+                    real if self.own && real.is_infinite() => Value::Real(real),
+                    _ => Value::Unknown,
+                };
                 self.change(code, value)?;
             }
             // Texts have no meaning for a plan; scopes and dates need none.
@@ -163,15 +190,25 @@ impl VcdReader {
         }
     }
 
-    fn comment(&mut self, text: &str) {
+    fn comment(&mut self, text: &str) -> Result<(), Wrong> {
         if let Some(rest) = text.strip_prefix("Acquisition with ") {
             self.sampled = rest.rsplit_once(" at ").and_then(|(_, rate)| hertz(rate)).map(period_of);
         }
         let mut words = text.splitn(3, ' ');
         match (words.next(), words.next(), words.next()) {
             (Some("note"), Some(key), value) => {
-                self.notes.push((key.to_owned(), unescaped(value.unwrap_or_default())));
+                self.notes.push((unescaped(key), unescaped(value.unwrap_or_default())));
             }
+            (Some("recorded"), Some(name), how) if self.own && !self.defined => {
+                let how = how.and_then(SignalRecording::parse);
+                let how = how.ok_or_else(|| (format!("no words on how `{name}` was recorded"), AGAIN))?;
+                self.recordings.insert(name.to_owned(), how);
+            }
+            (Some("origin"), Some(nanos), Some("ns")) if self.own && !self.defined => {
+                let nanos = nanos.parse().map_err(|_| (format!("`{nanos}` is no origin"), AGAIN))?;
+                self.origin = Span::from_nanos(nanos);
+            }
+            (Some("complete"), None, None) => self.complete = true,
             (Some("uncertainty"), Some(beside), Some(name)) if !self.defined => {
                 self.beside.insert(beside.to_owned(), name.to_owned());
             }
@@ -182,6 +219,7 @@ impl VcdReader {
             }
             _ => {}
         }
+        Ok(())
     }
 
     fn change(&mut self, code: IdCode, value: Value) -> Result<(), Wrong> {
@@ -189,9 +227,18 @@ impl VcdReader {
         let channels = channels.ok_or_else(|| {
             (format!("`{code}` is declared nowhere"), "declare it with $var before $enddefinitions")
         })?;
+        // A dump of the rig's own is unknown everywhere until its trace says something, that it is not known among it.
+        if self.own && self.initial {
+            return Ok(());
+        }
         for channel in channels {
             // The width of what came before is known only at the end; see `finish`.
-            if !self.builder.change(channel, When::within(self.now.0, self.now.1), value) {
+            let at = When::within(self.now.0, self.now.1);
+            let room = match self.own {
+                true => self.builder.change_or_unknown(channel, at, value),
+                false => self.builder.change(channel, at, value),
+            };
+            if !room {
                 return Err((too_many_changes(), FEWER));
             }
         }
@@ -203,10 +250,16 @@ impl VcdReader {
             let fix = "a value change dump has declarations and `$enddefinitions $end`";
             return Err(CaptureError::whole("no value change dump: its header does not end", fix));
         }
+        if !self.recordings.is_empty() && !self.complete {
+            return Err(CaptureError::whole(
+                "the dump is cut off: the comment that ends it is not there",
+                AGAIN,
+            ));
+        }
         let unit = Span::from_nanos(i64::try_from(self.femtoseconds.div_ceil(1_000_000)).unwrap_or(i64::MAX));
         let knowledge = match self.period.or(self.sampled) {
+            _ if self.own => Knowledge::Own,
             Some(period) => Knowledge::Sampled(period),
-            None if self.own => Knowledge::Own,
             None => Knowledge::Edges(unit),
         };
         let CaptureBuilder { channels, mut changes, .. } = self.builder;
@@ -251,6 +304,7 @@ fn unescaped(text: &str) -> String {
                 Some('r') => out.push('\r'),
                 Some('t') => out.push('\t'),
                 Some('d') => out.push('$'),
+                Some('s') => out.push(' '),
                 Some(c) => out.push(c),
                 None => {}
             },

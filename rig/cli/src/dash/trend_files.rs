@@ -120,7 +120,8 @@ fn write_dump(recording: &TrendRecording, out: &mut impl Write) -> Result<(), Bo
             cause: Cause::Unknown,
         })?;
     }
-    reports::vcd::write_trace(&trace, env!("CARGO_PKG_VERSION"), &mut *out)?;
+    // How the signals were recorded a client does not know.
+    reports::vcd::write_waves(&trace, env!("CARGO_PKG_VERSION"), &mut *out)?;
     out.flush()?;
     Ok(())
 }

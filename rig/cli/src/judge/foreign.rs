@@ -23,6 +23,9 @@ pub fn judge(
     sources: &mut Vec<SourceFile>,
 ) -> Result<(CaseRecord, Trace), Vec<Diagnostic>> {
     let (mut capture, hash) = read(args, format).map_err(|found| vec![found])?;
+    if capture.knowledge == Knowledge::Own {
+        own_dump(args, &capture).map_err(|found| vec![found])?;
+    }
     let instrument = instrument(args, &capture, sources)?;
     let (loaded, seed) = load(args, &capture, sources)?;
     let (case, job) = choose(args, &capture, &loaded, seed).map_err(|found| vec![found])?;
@@ -77,6 +80,24 @@ fn instrument(
         output::note(&format!("the capture has no channel {} of {}", strange.join(", "), instrument.name));
     }
     Ok(Some(instrument))
+}
+
+/// That a dump of the rig's own says how everything was recorded, and that nothing else is said of it.
+fn own_dump(args: &JudgeArgs, capture: &Capture) -> Result<(), Diagnostic> {
+    let path = args.trace.display();
+    if args.capture.period.is_some() {
+        let message = format!("{path} is a file of the rig's own, which says what is known");
+        return Err(Diagnostic::error("R0213", message).help("leave out --period"));
+    }
+    match capture.channels.iter().find(|channel| channel.recording.is_none()) {
+        Some(channel) => {
+            let message = format!("{path}: the dump does not say how `{}` was recorded", channel.name);
+            let help =
+                "name the trace beside it, or write the dump again: rig report RUN --out DIR --format vcd";
+            Err(Diagnostic::error("R0170", message).help(help))
+        }
+        None => Ok(()),
+    }
 }
 
 /// The capture, and its hash.

@@ -20,8 +20,8 @@ use plans::lang::{Anchor, AnchorBase};
 use plans::plan::StepRepeat;
 use plans::steps::CasePart;
 use signal::{
-    Cause, ClockDomain, Coverage, Event, Policy, Sampling, SignalId, SignalInfo, Span, Time, Trace,
-    TraceError, Value, ValueKind, When,
+    Cause, ClockDomain, Coverage, Event, Policy, Sampling, SignalId, SignalInfo, SignalRecording, Span, Time,
+    Trace, TraceError, Value, ValueKind, When,
 };
 
 /// The note that names the instrument file by which a capture was read.
@@ -114,7 +114,14 @@ impl ChannelMapping {
 pub fn find_levels(capture: &mut Capture, wires: &mut [ChannelMapping]) {
     let rule = |wire: &ChannelMapping| {
         let threshold = wire.threshold?;
-        Some((wire.channel, LevelRule { threshold, hysteresis: wire.hysteresis, error: wire.error }))
+        let mut error = wire.error;
+        // Within the deadband of a recording the value moved without a word.
+        if let Some(SignalRecording { policy: Policy::Deadband(band), .. }) =
+            capture.channels[wire.channel].recording
+        {
+            error.plus = (error.plus + band).next_up();
+        }
+        Some((wire.channel, LevelRule { threshold, hysteresis: wire.hysteresis, error }))
     };
     let rules: Vec<(usize, LevelRule)> = wires.iter().filter_map(rule).collect();
     let levels = capture.add_levels(&rules);
@@ -223,8 +230,11 @@ pub fn trace(
     let PreparedCase { trace: model, mut steps, .. } = layout.prepared;
     let mut trace = Trace::new();
     for (place, info) in model.signals().iter().enumerate() {
-        let wired = wires.iter().any(|wire| wire.signal == place);
-        trace.define(if wired { seen_by(info.clone(), capture.knowledge) } else { info.clone() })?;
+        let wired = wires.iter().find(|wire| wire.signal == place);
+        trace.define(match wired.and_then(|wire| capture.channels.get(wire.channel)) {
+            Some(channel) => seen_by(info.clone(), channel, capture.knowledge),
+            None => info.clone(),
+        })?;
     }
     annotate(&mut trace, case, files, capture);
     if let Some(instrument) = instrument {
@@ -314,13 +324,14 @@ fn lay_steps(
 }
 
 /// What the trace knows of a signal that this instrument saw.
-fn seen_by(info: SignalInfo, knowledge: Knowledge) -> SignalInfo {
+fn seen_by(info: SignalInfo, channel: &CapturedChannel, knowledge: Knowledge) -> SignalInfo {
     let (sampling, shortest) = match knowledge {
-        // The rig's own file has what the policy kept, which was never more than this.
-        Knowledge::Own if matches!(info.policy, Policy::AtMostEvery(_)) => {
-            return SignalInfo { policy: Policy::Changes, ..info };
+        Knowledge::Own => {
+            return match channel.recording {
+                Some(recording) => recording.applied_to(info),
+                None => info,
+            };
         }
-        Knowledge::Own => return info,
         Knowledge::Edges(resolution) => (Sampling::Edges { resolution }, Span::ZERO),
         Knowledge::Sampled(period) => (Sampling::Sampled { period }, period),
     };
@@ -588,7 +599,8 @@ impl Replay<'_> {
     }
 
     fn put(&mut self, signal: SignalId, at: When, value: Value) -> Result<bool, TraceError> {
-        Ok(self.trace.push(Event { signal, at, value, cause: Cause::Unknown })?.is_some())
+        // A capture is kept whole, and the rig's own file has what the policy kept.
+        Ok(self.trace.push_kept(Event { signal, at, value, cause: Cause::Unknown })?.is_some())
     }
 
     /// The mark of something that happened by `at`, and as much earlier as the instants are known.

@@ -10,6 +10,8 @@ use document::SourceFile;
 use proptest::prelude::*;
 use record::{CaseRecord, Verdict};
 
+mod dumps;
+
 const PROGRAM: &str = "PROGRAM MAIN VAR button AT %IX0.0 : BOOL; lamp AT %QX0.4 : BOOL; END_VAR lamp := button; \
                        END_PROGRAM";
 const BOARD: &str =
@@ -41,6 +43,7 @@ fn capture(changes: Vec<(u32, When, Value)>, last: i64) -> Capture {
         shares_name: false,
         unit: unit.to_owned(),
         shape,
+        recording: None,
     };
     let mut changes: Vec<CapturedChange> =
         changes.into_iter().map(|(channel, at, value)| CapturedChange { channel, at, value }).collect();
@@ -67,11 +70,21 @@ fn judge(claims: &str, capture: Capture, instrument: &str) -> CaseRecord {
 /// The same, and judges again the value change dump that the rig writes of it.
 fn judge_twice(
     claims: &str,
+    capture: Capture,
+    instrument: &str,
+    dumped: bool,
+) -> (CaseRecord, Option<CaseRecord>) {
+    judge_plan(&format!("{HEAD}{claims}"), capture, instrument, dumped)
+}
+
+/// The same of a whole plan.
+fn judge_plan(
+    plan: &str,
     mut capture: Capture,
     instrument: &str,
     dumped: bool,
 ) -> (CaseRecord, Option<CaseRecord>) {
-    let bench = Bench(format!("{HEAD}{claims}"));
+    let bench = Bench(plan.to_owned());
     let loaded = suite::load_plan(&bench, "plan.toml", None, &[], 1, &mut Vec::new())
         .unwrap_or_else(|found| panic!("{found:#?}"));
     let job = loaded.jobs(0, 1, 1).into_iter().next().unwrap();
@@ -109,14 +122,18 @@ fn judge_twice(
     reports::vcd::write_trace(&trace, "0", &mut dump).unwrap();
     let dump = capture::read(capture::CaptureFormat::Vcd, &dump, None).unwrap();
     assert_eq!(dump.knowledge, Knowledge::Own);
-    let layout = lay_out(&case, &files).unwrap();
+    let again = from_dump(lay_out(&case, &files).unwrap(), &case, &files, &dump);
+    (record, Some(judged(&again)))
+}
+
+/// The trace of a dump of the rig's own.
+fn from_dump(layout: CaseLayout, case: &Case, files: &CaseFiles, dump: &Capture) -> Trace {
     let spelled = reports::vcd::names(layout.signals());
     let place = |channel: &CapturedChannel| spelled.iter().position(|name| *name == channel.name);
     let wires: Vec<ChannelMapping> = (dump.channels.iter().enumerate())
         .map(|(channel, of)| ChannelMapping::new(channel, place(of).unwrap()))
         .collect();
-    let again = super::trace(layout, &case, &files, &dump, &wires, None, None).unwrap();
-    (record, Some(judged(&again)))
+    super::trace(layout, case, files, dump, &wires, None, None).unwrap()
 }
 
 const MS: i64 = 1_000_000;
