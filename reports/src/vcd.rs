@@ -320,11 +320,13 @@ fn write_vector(out: &mut impl Write, value: i128, code: IdCode) -> io::Result<(
     writeln!(out, " {code}")
 }
 
-/// A text as a comment can hold it, which ends at `$end`: `\n`, `\r`, `\t`, `\d` for a dollar, `\\`.
+/// A text as a comment can hold it, which ends at `$end` and loses blanks at its ends: `\n`, `\r`, `\t`, `\d` for a dollar, `\s` for
+/// a blank at either end, `\\`.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
+    for (at, c) in text.char_indices() {
         match c {
+            ' ' if at == 0 || at + 1 == text.len() => out.push_str("\\s"),
             '\n' => out.push_str("\\n"),
             '\r' => out.push_str("\\r"),
             '\t' => out.push_str("\\t"),

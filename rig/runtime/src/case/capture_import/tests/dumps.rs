@@ -85,7 +85,7 @@ proptest! {
         let again = dumped(&trace, &bench);
         prop_assert_eq!(again.signals(), trace.signals());
         for (key, text) in trace.notes() {
-            prop_assert_eq!(again.note(key), Some(text.trim()), "{}", key);
+            prop_assert_eq!(again.note(key), Some(text), "{}", key);
         }
         let of = |trace: &Trace, signal: usize| -> Vec<Event> {
             let mut events: Vec<Event> = trace.events().map(Result::unwrap).collect();
