@@ -68,7 +68,7 @@ pub use led::{Led, LedPattern};
 pub use location::{ExtentStart, RegisterFormat, VariableLocation};
 pub use log::LogEntry;
 pub use memory::Memory;
-pub use module::{ExchangeCycle, IoModule, ModuleChannel, OutputChanges, Sharing, Written};
+pub use module::{ExchangeCycle, IoModule, ModuleChannel, OutputChanges, Sharing, TaskModule, Written};
 pub use ports::PortStatus;
 pub use probe::{InputProbe, OutputState, Probe, ProbeId, RegisterProbe};
 pub use register_access::{Identification, RegisterAccess};

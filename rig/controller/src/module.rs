@@ -2,7 +2,7 @@
 //!
 //! A module knows neither tasks nor programs. It gets the images at the beginning and at the end of cycles, says when
 //! something happens in it by itself, and reports what its outputs do. Nothing of it allocates between two calls of
-//! [`IoModule::share`].
+//! [`TaskModule::share`].
 
 use crate::application::Application;
 use crate::config::{AlwaysUpdate, OutputsInStop};
@@ -50,13 +50,10 @@ pub struct Written {
     pub stages_changed: bool,
 }
 
-/// A module of inputs and outputs: embedded, cartridge or expansion.
+/// A module with terminals: embedded, cartridge or expansion.
 pub trait IoModule: fmt::Debug + Send {
     /// Its channels.
     fn channels(&self) -> &[ModuleChannel];
-
-    /// Learns which task of a new application exchanges which of its channels.
-    fn share(&mut self, sharing: &Sharing<'_>);
 
     /// The electronics come up at `now`, with what is at the terminals.
     fn power_on(&mut self, now: Time);
@@ -68,12 +65,6 @@ pub trait IoModule: fmt::Debug + Send {
     /// What is at the terminal of an input from `now` on: a level ([`Value::HighZ`] where nothing drives the line), or a
     /// number in the unit of the channel. Inputs that it does not have are ignored.
     fn set_input(&mut self, now: Time, input: usize, value: Value);
-
-    /// The inputs that this cycle exchanges -> %I, at its beginning; whether %I changed.
-    fn sample(&mut self, now: Time, cycle: ExchangeCycle, memory: &mut Memory) -> bool;
-
-    /// %Q -> the outputs that this cycle exchanges, at its end.
-    fn drive(&mut self, now: Time, cycle: ExchangeCycle, memory: &mut Memory) -> Written;
 
     /// Outputs show their hardware initialization values from `now` on (controller:OUT-02).
     fn initialize(&mut self, now: Time);
@@ -87,6 +78,19 @@ pub trait IoModule: fmt::Debug + Send {
     /// What the terminal of an output shows: a level, or a number in the unit of the channel; [`Value::HighZ`] where it
     /// drives nothing. Unknown for one that it does not have.
     fn output(&self, output: usize) -> Value;
+}
+
+/// A module that each task exchanges by itself, at the beginning and at the end of its cycles: the embedded inputs and
+/// outputs, and cartridges (controller:PRIO-04).
+pub trait TaskModule: IoModule {
+    /// Learns which task of a new application exchanges which of its channels.
+    fn share(&mut self, sharing: &Sharing<'_>);
+
+    /// The inputs that this cycle exchanges -> %I, at its beginning; whether %I changed.
+    fn sample(&mut self, now: Time, cycle: ExchangeCycle, memory: &mut Memory) -> bool;
+
+    /// %Q -> the outputs that this cycle exchanges, at its end.
+    fn drive(&mut self, now: Time, cycle: ExchangeCycle, memory: &mut Memory) -> Written;
 
     /// How it is.
     fn status(&self) -> IoStatus;
@@ -180,30 +184,40 @@ impl<'a> Sharing<'a> {
 /// The modules after the embedded I/O, in the order of the configuration.
 #[derive(Debug, Default)]
 pub(crate) struct Modules {
-    list: Vec<Box<dyn IoModule>>,
+    list: Vec<Box<dyn TaskModule>>,
     /// At each update in STOPPED and HALT their outputs are set to their default values.
     at_defaults: bool,
 }
 
 impl Modules {
-    pub(crate) fn new(list: Vec<Box<dyn IoModule>>) -> Modules {
+    pub(crate) fn new(list: Vec<Box<dyn TaskModule>>) -> Modules {
         Modules { list, at_defaults: false }
+    }
+
+    /// Each module that tasks exchange, first the embedded I/O.
+    #[inline]
+    pub(crate) fn exchanged<'a>(
+        &'a mut self,
+        embedded: &'a mut dyn TaskModule,
+    ) -> impl Iterator<Item = &'a mut dyn TaskModule> {
+        std::iter::once(embedded)
+            .chain(self.list.iter_mut().map(|module| &mut **module as &mut dyn TaskModule))
     }
 
     /// Each module, first the embedded I/O.
     #[inline]
-    pub(crate) fn with<'a>(
+    pub(crate) fn all<'a>(
         &'a mut self,
-        embedded: &'a mut dyn IoModule,
+        embedded: &'a mut dyn TaskModule,
     ) -> impl Iterator<Item = &'a mut dyn IoModule> {
-        std::iter::once(embedded).chain(self.list.iter_mut().map(|module| &mut **module as &mut dyn IoModule))
+        self.exchanged(embedded).map(|module| module as &mut dyn IoModule)
     }
 
     /// The module of a number; 0 is the embedded I/O.
     pub(crate) fn get<'a>(&'a self, embedded: &'a dyn IoModule, module: usize) -> Option<&'a dyn IoModule> {
         match module.checked_sub(1) {
             None => Some(embedded),
-            Some(place) => self.list.get(place).map(|module| &**module),
+            Some(place) => self.list.get(place).map(|module| &**module as &dyn IoModule),
         }
     }
 

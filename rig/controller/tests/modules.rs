@@ -27,7 +27,7 @@ struct Analogue {
 }
 
 impl Analogue {
-    fn boxed(status: IoStatus) -> Box<dyn IoModule> {
+    fn boxed(status: IoStatus) -> Box<dyn TaskModule> {
         let channel = |channel, text| ModuleChannel::new(channel, at(text));
         Box::new(Analogue {
             channels: vec![
@@ -56,11 +56,6 @@ impl IoModule for Analogue {
         &self.channels
     }
 
-    fn share(&mut self, sharing: &Sharing<'_>) {
-        let of = |rank: usize| self.channels.iter().map(|it| sharing.exchanges(rank, it.address)).collect();
-        self.shared = (0..sharing.tasks()).map(of).collect();
-    }
-
     fn power_on(&mut self, now: Time) {
         self.converted = [0; 2];
         self.conversion = now + us(CONVERSION);
@@ -75,25 +70,6 @@ impl IoModule for Analogue {
             *terminal = number as i64;
             self.conversion = now + us(CONVERSION);
         }
-    }
-
-    fn sample(&mut self, _now: Time, cycle: ExchangeCycle, memory: &mut Memory) -> bool {
-        let mut changed = false;
-        for input in (0..2).filter(|input| self.exchanges(cycle, *input)) {
-            let address = self.channels[input].address;
-            changed |= memory.load(address) != self.converted[input];
-            memory.set_cause(Cause::Board);
-            memory.store(address, self.converted[input]);
-        }
-        changed
-    }
-
-    fn drive(&mut self, now: Time, cycle: ExchangeCycle, memory: &mut Memory) -> Written {
-        let command = memory.load(self.channels[2].address);
-        if self.exchanges(cycle, 2) && command != self.command {
-            (self.command, self.output_due) = (command, now + us(SETTLING));
-        }
-        Written::default()
     }
 
     fn initialize(&mut self, _now: Time) {
@@ -118,6 +94,32 @@ impl IoModule for Analogue {
     fn output(&self, output: usize) -> Value {
         self.shown.filter(|_| output == 0).map_or(Value::Unknown, |shown| Value::Int(shown as i64))
     }
+}
+
+impl TaskModule for Analogue {
+    fn share(&mut self, sharing: &Sharing<'_>) {
+        let of = |rank: usize| self.channels.iter().map(|it| sharing.exchanges(rank, it.address)).collect();
+        self.shared = (0..sharing.tasks()).map(of).collect();
+    }
+
+    fn sample(&mut self, _now: Time, cycle: ExchangeCycle, memory: &mut Memory) -> bool {
+        let mut changed = false;
+        for input in (0..2).filter(|input| self.exchanges(cycle, *input)) {
+            let address = self.channels[input].address;
+            changed |= memory.load(address) != self.converted[input];
+            memory.set_cause(Cause::Board);
+            memory.store(address, self.converted[input]);
+        }
+        changed
+    }
+
+    fn drive(&mut self, now: Time, cycle: ExchangeCycle, memory: &mut Memory) -> Written {
+        let command = memory.load(self.channels[2].address);
+        if self.exchanges(cycle, 2) && command != self.command {
+            (self.command, self.output_due) = (command, now + us(SETTLING));
+        }
+        Written::default()
+    }
 
     fn status(&self) -> IoStatus {
         self.status
@@ -137,11 +139,6 @@ impl IoModule for Digital {
         &self.channels
     }
 
-    fn share(&mut self, sharing: &Sharing<'_>) {
-        let of = |rank: usize| self.channels.iter().map(|it| sharing.exchanges(rank, it.address)).collect();
-        self.shared = (0..sharing.tasks()).map(of).collect();
-    }
-
     fn power_on(&mut self, _now: Time) {}
 
     fn power_off(&mut self, _now: Time) {}
@@ -150,6 +147,25 @@ impl IoModule for Digital {
         if let Some(level) = self.levels.get_mut(input) {
             *level = value.as_bool().unwrap_or(false);
         }
+    }
+
+    fn initialize(&mut self, _: Time) {}
+
+    fn next(&self) -> Time {
+        Time::MAX
+    }
+
+    fn fire(&mut self, _: Time, _: &mut OutputChanges<'_>) {}
+
+    fn output(&self, _: usize) -> Value {
+        Value::Unknown
+    }
+}
+
+impl TaskModule for Digital {
+    fn share(&mut self, sharing: &Sharing<'_>) {
+        let of = |rank: usize| self.channels.iter().map(|it| sharing.exchanges(rank, it.address)).collect();
+        self.shared = (0..sharing.tasks()).map(of).collect();
     }
 
     fn sample(&mut self, _now: Time, cycle: ExchangeCycle, memory: &mut Memory) -> bool {
@@ -165,18 +181,6 @@ impl IoModule for Digital {
 
     fn drive(&mut self, _: Time, _: ExchangeCycle, _: &mut Memory) -> Written {
         Written::default()
-    }
-
-    fn initialize(&mut self, _: Time) {}
-
-    fn next(&self) -> Time {
-        Time::MAX
-    }
-
-    fn fire(&mut self, _: Time, _: &mut OutputChanges<'_>) {}
-
-    fn output(&self, _: usize) -> Value {
-        Value::Unknown
     }
 
     fn status(&self) -> IoStatus {
@@ -250,7 +254,7 @@ fn a_module_has_any_number_of_channels() {
     let channels = (0..40).map(|n| ModuleChannel::new(IoChannel::Input(n), place(n))).collect();
     let module = Digital { channels, levels: vec![false; 40], shared: Vec::new() };
     let script = Script::new(vec![vec![(1_000, Act::Copy(at("%IX12.7"), at("%MX2.0")))]]);
-    let modules: Vec<Box<dyn IoModule>> = vec![Analogue::boxed(IoStatus::Ok), Box::new(module)];
+    let modules: Vec<Box<dyn TaskModule>> = vec![Analogue::boxed(IoStatus::Ok), Box::new(module)];
     let mut rig = Rig::running_with(config(), script, modules);
     assert_eq!(rig.plc.terminal(at("%IX12.7")), Some(input(2, 39)));
     rig.plc.input(rig.now, input(2, 39), Value::Bool(true));

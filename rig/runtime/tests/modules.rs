@@ -1,7 +1,9 @@
 //! Modules of inputs and outputs, from the board to the program and back: terminals that a board file binds to channels.
 
 use crate::texts::Texts;
-use controller::{ExchangeCycle, IoModule, Memory, ModuleChannel, OutputChanges, Sharing, Terminal, Written};
+use controller::{
+    ExchangeCycle, IoModule, Memory, ModuleChannel, OutputChanges, Sharing, TaskModule, Terminal, Written,
+};
 use profile::{IoChannel, IoStatus};
 use scanrig_runtime::executor::clock::VirtualClock;
 use scanrig_runtime::subject::Subject;
@@ -27,7 +29,7 @@ struct Loop {
 }
 
 impl Loop {
-    fn boxed() -> Box<dyn IoModule> {
+    fn boxed() -> Box<dyn TaskModule> {
         let channel = |channel, text| ModuleChannel::new(channel, Address::parse(text).unwrap());
         Box::new(Loop {
             channels: [channel(IoChannel::Input(0), "%IW3"), channel(IoChannel::Output(0), "%QW2")],
@@ -47,11 +49,6 @@ impl IoModule for Loop {
         &self.channels
     }
 
-    fn share(&mut self, sharing: &Sharing<'_>) {
-        let of = |rank| self.channels.map(|channel| sharing.exchanges(rank, channel.address));
-        self.shared = (0..sharing.tasks()).map(of).collect();
-    }
-
     fn power_on(&mut self, now: Time) {
         self.conversion = now.saturating_add(CONVERSION);
     }
@@ -64,24 +61,6 @@ impl IoModule for Loop {
         if let Some(bar) = value.as_real() {
             (self.pressure, self.conversion) = (bar, now.saturating_add(CONVERSION));
         }
-    }
-
-    fn sample(&mut self, _: Time, cycle: ExchangeCycle, memory: &mut Memory) -> bool {
-        let address = self.channels[0].address;
-        let changed =
-            cycle.rank.is_none_or(|rank| self.shared[rank][0]) && memory.load(address) != self.converted;
-        if changed {
-            memory.store(address, self.converted);
-        }
-        changed
-    }
-
-    fn drive(&mut self, now: Time, cycle: ExchangeCycle, memory: &mut Memory) -> Written {
-        let command = memory.load(self.channels[1].address);
-        if cycle.rank.is_none_or(|rank| self.shared[rank][1]) && command != self.command {
-            (self.command, self.due) = (command, now.saturating_add(SETTLING));
-        }
-        Written::default()
     }
 
     fn initialize(&mut self, _: Time) {
@@ -106,6 +85,31 @@ impl IoModule for Loop {
 
     fn output(&self, _: usize) -> Value {
         self.shown.map_or(Value::HighZ, |command| Value::Real(command as f64 / 100.0))
+    }
+}
+
+impl TaskModule for Loop {
+    fn share(&mut self, sharing: &Sharing<'_>) {
+        let of = |rank| self.channels.map(|channel| sharing.exchanges(rank, channel.address));
+        self.shared = (0..sharing.tasks()).map(of).collect();
+    }
+
+    fn sample(&mut self, _: Time, cycle: ExchangeCycle, memory: &mut Memory) -> bool {
+        let address = self.channels[0].address;
+        let changed =
+            cycle.rank.is_none_or(|rank| self.shared[rank][0]) && memory.load(address) != self.converted;
+        if changed {
+            memory.store(address, self.converted);
+        }
+        changed
+    }
+
+    fn drive(&mut self, now: Time, cycle: ExchangeCycle, memory: &mut Memory) -> Written {
+        let command = memory.load(self.channels[1].address);
+        if cycle.rank.is_none_or(|rank| self.shared[rank][1]) && command != self.command {
+            (self.command, self.due) = (command, now.saturating_add(SETTLING));
+        }
+        Written::default()
     }
 
     fn status(&self) -> IoStatus {

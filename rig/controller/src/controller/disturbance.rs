@@ -1,7 +1,7 @@
 //! What goes wrong around the controller, which does not change the state by itself (controller:TR-23), and in it.
 
 use super::Controller;
-use crate::module::IoModule;
+use crate::module::TaskModule;
 use crate::probes::class;
 use crate::{Disturbance, Effects, State};
 use profile::IoStatus;

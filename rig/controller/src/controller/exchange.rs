@@ -16,7 +16,7 @@ impl Controller {
     /// Terminals that there are not are ignored.
     pub fn input(&mut self, now: Time, terminal: Terminal, value: Value) {
         let IoChannel::Input(input) = terminal.channel else { return };
-        if let Some(module) = self.modules.with(&mut self.io).nth(terminal.module) {
+        if let Some(module) = self.modules.all(&mut self.io).nth(terminal.module) {
             module.set_input(now, input, value);
         }
     }
@@ -47,28 +47,28 @@ impl Controller {
         let bus = self.config.bus_cycle();
         let bus = places.iter().position(|place| Some(*place) == bus);
         let sharing = Sharing::new(application, &places, bus, self.config.always_update);
-        for module in self.modules.with(&mut self.io) {
+        for module in self.modules.exchanged(&mut self.io) {
             module.share(&sharing);
         }
     }
 
     /// The electronics of inputs and outputs come up.
     pub(super) fn power_modules(&mut self, now: Time) {
-        for module in self.modules.with(&mut self.io) {
+        for module in self.modules.all(&mut self.io) {
             module.power_on(now);
         }
     }
 
     /// The electronics of inputs and outputs lose their supply.
     pub(super) fn cut_modules(&mut self, now: Time) {
-        for module in self.modules.with(&mut self.io) {
+        for module in self.modules.all(&mut self.io) {
             module.power_off(now);
         }
     }
 
     /// Outputs show hardware initialization values (controller:OUT-02).
     pub(super) fn initialize_outputs(&mut self, now: Time) {
-        for module in self.modules.with(&mut self.io) {
+        for module in self.modules.all(&mut self.io) {
             module.initialize(now);
         }
     }
@@ -78,7 +78,7 @@ impl Controller {
     pub(super) fn exchange_inputs(&mut self, rank: Option<usize>, at: Time, fx: &mut Effects) {
         let mast = rank.is_none_or(|rank| self.scheduler.is_mast(self.scheduler.place(rank)));
         let mut changed = false;
-        for module in self.modules.with(&mut self.io) {
+        for module in self.modules.exchanged(&mut self.io) {
             changed |= module.sample(at, ExchangeCycle { rank, mast }, &mut self.memory);
         }
         if changed {
@@ -92,7 +92,7 @@ impl Controller {
     #[inline]
     pub(super) fn exchange_outputs(&mut self, rank: Option<usize>, at: Time, fx: &mut Effects) {
         let mut written = Written::default();
-        for module in self.modules.with(&mut self.io) {
+        for module in self.modules.exchanged(&mut self.io) {
             let it = module.drive(at, ExchangeCycle { rank, mast: false }, &mut self.memory);
             written.image_changed |= it.image_changed;
             written.stages_changed |= it.stages_changed;
@@ -103,7 +103,7 @@ impl Controller {
     /// The changes of outputs that are due at `now` come out.
     pub(super) fn fire_outputs(&mut self, now: Time, fx: &mut Effects) {
         let mut any = false;
-        for (number, module) in self.modules.with(&mut self.io).enumerate() {
+        for (number, module) in self.modules.all(&mut self.io).enumerate() {
             any |= fire(number, module, now, fx);
         }
         if any {

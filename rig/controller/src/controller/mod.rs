@@ -41,8 +41,8 @@ use crate::remanent::RemanentContext;
 use crate::scheduler::{Scheduler, TaskTrigger};
 use crate::system::System;
 use crate::{
-    Application, Config, ConfigError, Effects, IoModule, LoadError, Loader, Memory, NonVolatile, Probe,
-    RegisterProbe, State, TaskConfig, TaskKind, VariableReset, Warning, WriteError,
+    Application, Config, ConfigError, Effects, LoadError, Loader, Memory, NonVolatile, Probe, RegisterProbe,
+    State, TaskConfig, TaskKind, TaskModule, VariableReset, Warning, WriteError,
 };
 use online_change::Pending;
 use profile::StopCause;
@@ -107,7 +107,7 @@ impl Controller {
         config: Config,
         loader: Box<dyn Loader>,
         store: Box<dyn NonVolatile>,
-        modules: Vec<Box<dyn IoModule>>,
+        modules: Vec<Box<dyn TaskModule>>,
     ) -> Result<Controller, ConfigError> {
         config.check()?;
         Ok(Controller {

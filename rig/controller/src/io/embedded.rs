@@ -3,7 +3,7 @@
 use super::{EmbeddedIo, OutputWrite, TaskChannels};
 use crate::config::Config;
 use crate::memory::Memory;
-use crate::module::{ExchangeCycle, IoModule, ModuleChannel, OutputChanges, Sharing, Written};
+use crate::module::{ExchangeCycle, IoModule, ModuleChannel, OutputChanges, Sharing, TaskModule, Written};
 use profile::{ChannelSet, IoChannel, IoStatus};
 use signal::{Address, Area, Level, Time, Value};
 
@@ -36,6 +36,44 @@ impl IoModule for EmbeddedIo {
         &self.channels
     }
 
+    fn power_on(&mut self, now: Time) {
+        self.inputs.power_on(now);
+        let inputs = &self.inputs;
+        self.functions.power_on(now, self.channels.len(), |input| inputs.terminal(input));
+    }
+
+    // The state OFF, which comes with it, says all of it.
+    fn power_off(&mut self, _now: Time) {}
+
+    fn set_input(&mut self, now: Time, input: usize, value: Value) {
+        // A terminal that nothing drives is at 0.
+        let high = value.as_bool().unwrap_or(false);
+        self.inputs.set(now, input, Level::from_bool(high));
+        if self.powered {
+            self.functions.edge(now, input, high);
+        }
+    }
+
+    fn initialize(&mut self, now: Time) {
+        self.protection.reset();
+        self.outputs.initialize(now);
+    }
+
+    fn next(&self) -> Time {
+        let next = self.outputs.next().min(self.inputs.next()).min(self.functions.next());
+        next.min(self.protection.next()).min(self.initialization.map_or(Time::MAX, |(end, _)| end))
+    }
+
+    fn fire(&mut self, now: Time, changes: &mut OutputChanges<'_>) {
+        self.outputs.fire(now, |effect| changes.report(effect));
+    }
+
+    fn output(&self, output: usize) -> Value {
+        self.outputs.level(output).map_or(Value::Unknown, Value::from)
+    }
+}
+
+impl TaskModule for EmbeddedIo {
     fn share(&mut self, sharing: &Sharing<'_>) {
         for (rank, own) in self.tasks.iter_mut().enumerate().take(sharing.tasks()) {
             let exchanges = |at: Option<Address>| at.is_some_and(|at| sharing.exchanges(rank, at));
@@ -55,24 +93,6 @@ impl IoModule for EmbeddedIo {
                     }
                 }
             }
-        }
-    }
-
-    fn power_on(&mut self, now: Time) {
-        self.inputs.power_on(now);
-        let inputs = &self.inputs;
-        self.functions.power_on(now, self.channels.len(), |input| inputs.terminal(input));
-    }
-
-    // The state OFF, which comes with it, says all of it.
-    fn power_off(&mut self, _now: Time) {}
-
-    fn set_input(&mut self, now: Time, input: usize, value: Value) {
-        // A terminal that nothing drives is at 0.
-        let high = value.as_bool().unwrap_or(false);
-        self.inputs.set(now, input, Level::from_bool(high));
-        if self.powered {
-            self.functions.edge(now, input, high);
         }
     }
 
@@ -106,24 +126,6 @@ impl IoModule for EmbeddedIo {
             rearming: write.rearming.or(waiting.rearming),
         });
         Written { image_changed, stages_changed: false }
-    }
-
-    fn initialize(&mut self, now: Time) {
-        self.protection.reset();
-        self.outputs.initialize(now);
-    }
-
-    fn next(&self) -> Time {
-        let next = self.outputs.next().min(self.inputs.next()).min(self.functions.next());
-        next.min(self.protection.next()).min(self.initialization.map_or(Time::MAX, |(end, _)| end))
-    }
-
-    fn fire(&mut self, now: Time, changes: &mut OutputChanges<'_>) {
-        self.outputs.fire(now, |effect| changes.report(effect));
-    }
-
-    fn output(&self, output: usize) -> Value {
-        self.outputs.level(output).map_or(Value::Unknown, Value::from)
     }
 
     fn status(&self) -> IoStatus {

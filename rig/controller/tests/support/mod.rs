@@ -363,7 +363,7 @@ impl Rig {
     }
 
     /// The same with modules after the embedded I/O.
-    pub fn off_with(config: Config, app: Script, modules: Vec<Box<dyn IoModule>>) -> Rig {
+    pub fn off_with(config: Config, app: Script, modules: Vec<Box<dyn TaskModule>>) -> Rig {
         let trail = Trail::default();
         let mut other = app.clone();
         other.signature += 1;
@@ -398,7 +398,7 @@ impl Rig {
     }
 
     /// Running since 1.5 s, with modules after the embedded I/O.
-    pub fn running_with(config: Config, app: Script, modules: Vec<Box<dyn IoModule>>) -> Rig {
+    pub fn running_with(config: Config, app: Script, modules: Vec<Box<dyn TaskModule>>) -> Rig {
         let rig = Rig::off_with(config, app, modules).boot(State::Running);
         assert_eq!(rig.plc.state(), State::Running);
         rig

@@ -9,8 +9,8 @@ use crate::subject::capability::Capability;
 use crate::subject::{Disturbances, ExpertFunctionAccess, FileAccess, Observation, PortAccess, Subject};
 use controller::{
     Command, CommandError, Config, ConfigError, Controller, Disturbance, Effect, Effects, Endpoint,
-    FileError, FileProbe, FrontPanel, IoModule, JitterCounts, LoadError, NonVolatile, PortEvent, PortMessage,
-    Probe, ProbeId, State, TaskFigures, Terminal, WriteError,
+    FileError, FileProbe, FrontPanel, JitterCounts, LoadError, NonVolatile, PortEvent, PortMessage, Probe,
+    ProbeId, State, TaskFigures, TaskModule, Terminal, WriteError,
 };
 use plans::steps::FileOperation;
 use profile::IoChannel;
@@ -49,7 +49,7 @@ impl ModelledController {
         program: Option<Arc<Program>>,
         store: Box<dyn NonVolatile>,
         collector: Option<Collector>,
-        modules: Vec<Box<dyn IoModule>>,
+        modules: Vec<Box<dyn TaskModule>>,
     ) -> Result<ModelledController, ConfigError> {
         let names = VariableNumbers::default();
         let loader = Box::new(BundleLoader::new(config.profile).covered(collector).named(names.clone()));

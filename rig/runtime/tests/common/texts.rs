@@ -3,7 +3,7 @@
 // Each test is a crate of its own and uses a part of this.
 #![allow(dead_code)]
 
-use controller::{Config, IoModule, State};
+use controller::{Config, State, TaskModule};
 use document::{Diagnostic, SourceFile};
 use drivers::{Board, BoardFile, OnLoss};
 use plans::judge::CaseJudge;
@@ -91,13 +91,13 @@ impl Texts<'_> {
     pub fn parts_with_modules(
         &self,
         seed: u64,
-        modules: Vec<Box<dyn IoModule>>,
+        modules: Vec<Box<dyn TaskModule>>,
     ) -> Result<(ModelledController, Parted), Vec<Diagnostic>> {
         self.parts_of(seed, |_| {}, |board| board, modules)
     }
 
     /// `board.toml` of a controller with modules.
-    fn board_with(&self, modules: &[Box<dyn IoModule>]) -> Result<BoardFile, Vec<Diagnostic>> {
+    fn board_with(&self, modules: &[Box<dyn TaskModule>]) -> Result<BoardFile, Vec<Diagnostic>> {
         let file = SourceFile::new("board.toml", self.read("board.toml").unwrap());
         drivers::read(&file, &|subject| {
             let mut terminals = suite::terminals(subject)?;
@@ -116,7 +116,7 @@ impl Texts<'_> {
         seed: u64,
         change: impl FnOnce(&mut Config),
         other: impl FnOnce(Box<dyn Board>) -> Box<dyn Board>,
-        modules: Vec<Box<dyn IoModule>>,
+        modules: Vec<Box<dyn TaskModule>>,
     ) -> Result<(ModelledController, Parted), Vec<Diagnostic>> {
         let (loaded, jobs) = self.load(seed);
         let case = loaded.plan.case(jobs[0].case).unwrap();
