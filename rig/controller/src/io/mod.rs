@@ -4,8 +4,8 @@
 mod embedded;
 mod forced;
 mod functions;
-mod input;
-mod output;
+pub(crate) mod input;
+pub(crate) mod output;
 mod protection;
 
 pub use forced::ForcedChannels;
@@ -20,7 +20,7 @@ use crate::state::State;
 use expert::{ExpertEffect, ExpertFunctions, ExpertOperation, FunctionProbe};
 use functions::{Functions, operation_in};
 use input::Inputs;
-use output::Outputs;
+use output::{OutputStage, Outputs};
 use profile::{ChannelSet, Profile};
 use protection::Protection;
 use signal::{Address, Area, Cause, Span, Time, Value};
@@ -118,7 +118,12 @@ impl EmbeddedIo {
             defaults: embedded::default_outputs(&channels),
             channels,
             inputs: Inputs::new(config),
-            outputs: Outputs::new(profile::outputs(config.reference), config.worst_case),
+            outputs: Outputs::new(
+                0,
+                0,
+                profile::outputs(config.reference).map(OutputStage::from),
+                config.worst_case,
+            ),
             functions: Functions::new(config),
             protection: Protection::new(config.reference, config.rearming),
             forced_inputs: ForcedChannels::default(),

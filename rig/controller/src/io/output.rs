@@ -1,9 +1,9 @@
-//! Output terminals: what the drivers command and when the edge comes out.
+//! Output terminals of a module: what the drivers command and when the edge comes out.
 
 use crate::effect::Effect;
 use crate::memory::Memory;
 use crate::terminal::Terminal;
-use profile::{ChannelSet, EmbeddedOutput, OutputKind};
+use profile::{ChannelSet, EmbeddedOutput, IoChannel, OutputKind};
 use signal::{Cause, Level, Span, Time, Value};
 
 /// What a terminal does.
@@ -13,6 +13,26 @@ enum Shown {
     Level(Level),
     /// It pulses, and hardware makes the edges.
     Wave { period: Span, high: Span },
+}
+
+/// What a digital output is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct OutputStage {
+    /// From a 1 in the driver to the edge at the terminal.
+    pub(crate) on_delay: Span,
+    /// From a 0 in the driver to the edge at the terminal.
+    pub(crate) off_delay: Span,
+    /// Both are maxima.
+    pub(crate) at_most: bool,
+    /// It drives nothing under hardware initialization values (controller:OUT-02); else it is at 0.
+    pub(crate) floats: bool,
+}
+
+impl From<EmbeddedOutput> for OutputStage {
+    fn from(output: EmbeddedOutput) -> OutputStage {
+        let EmbeddedOutput { on_delay, off_delay, at_most, kind, .. } = output;
+        OutputStage { on_delay, off_delay, at_most, floats: kind == OutputKind::Fast }
+    }
 }
 
 /// One terminal. Its delays are inertial: a command that is taken back before its edge came out leaves none.
@@ -55,16 +75,19 @@ impl OutputTerminal {
     }
 
     /// What a faster stage may have shown up to `at`, when it is `back` or shows another level.
-    fn unsettled(&mut self, output: usize, at: Time, is_back: bool) -> Option<Effect> {
+    fn unsettled(&mut self, terminal: Terminal, at: Time, is_back: bool) -> Option<Effect> {
         let TakenBack { since, back } = self.taken_back.take()?;
-        let terminal = Terminal::output(output);
         Some(Effect::Unsettled { at, terminal, left: at - since, back: is_back.then(|| at - back) })
     }
 }
 
-/// All embedded outputs.
+/// All digital outputs of a module.
 #[derive(Clone, Debug)]
-pub(super) struct Outputs {
+pub(crate) struct Outputs {
+    /// The number of the module.
+    module: usize,
+    /// The bit of %Q of the first output.
+    first_bit: usize,
     terminals: Vec<OutputTerminal>,
     /// Outputs that are not driven under hardware initialization values (controller:OUT-02).
     floating: ChannelSet,
@@ -81,18 +104,24 @@ pub(super) struct Outputs {
 }
 
 impl Outputs {
-    /// Outputs in hardware initialization values. With `worst_case` they report by how much edges may have come earlier.
-    pub(super) fn new(outputs: impl Iterator<Item = EmbeddedOutput>, worst_case: bool) -> Outputs {
+    /// Outputs in hardware initialization values, whose bits of %Q begin at `first_bit`. With `worst_case` they report by how much
+    /// edges may have come earlier.
+    pub(crate) fn new(
+        module: usize,
+        first_bit: usize,
+        stages: impl Iterator<Item = OutputStage>,
+        worst_case: bool,
+    ) -> Outputs {
         let mut floating = ChannelSet::EMPTY;
-        let terminals = outputs
-            .map(|output| {
-                let floats = output.kind == OutputKind::Fast;
-                floating.set(output.index, floats);
-                let shown = Shown::Level(if floats { Level::HighZ } else { Level::Low });
+        let terminals = stages
+            .enumerate()
+            .map(|(output, stage)| {
+                floating.set(output, stage.floats);
+                let shown = Shown::Level(if stage.floats { Level::HighZ } else { Level::Low });
                 OutputTerminal {
-                    on_delay: output.on_delay,
-                    off_delay: output.off_delay,
-                    at_most: worst_case && output.at_most,
+                    on_delay: stage.on_delay,
+                    off_delay: stage.off_delay,
+                    at_most: worst_case && stage.at_most,
                     shown,
                     next: shown,
                     at: Time::MAX,
@@ -104,6 +133,8 @@ impl Outputs {
             })
             .collect();
         Outputs {
+            module,
+            first_bit,
             terminals,
             floating,
             on: ChannelSet::EMPTY,
@@ -116,12 +147,12 @@ impl Outputs {
     }
 
     /// Every output.
-    pub(super) fn all(&self) -> ChannelSet {
+    pub(crate) fn all(&self) -> ChannelSet {
         ChannelSet::first(self.terminals.len())
     }
 
     /// The level at a terminal; none beyond the reference's outputs, and while hardware makes its pulses.
-    pub(super) fn level(&self, output: usize) -> Option<Level> {
+    pub(crate) fn level(&self, output: usize) -> Option<Level> {
         match self.terminals.get(output)?.shown {
             Shown::Level(level) => Some(level),
             Shown::Wave { .. } => None,
@@ -130,29 +161,30 @@ impl Outputs {
 
     /// The outputs whose drivers are commanded to be on.
     #[inline]
-    pub(super) fn commanded(&self) -> ChannelSet {
+    pub(crate) fn commanded(&self) -> ChannelSet {
         self.on
     }
 
     /// Whether the outputs are in hardware initialization values.
-    pub(super) fn initialized(&self) -> bool {
+    pub(crate) fn initialized(&self) -> bool {
         !self.undriven.is_empty()
     }
 
     /// Commands these outputs at `now`, on those of `on`. The cause of an edge is the last writer of its %Q bit.
     #[inline]
-    pub(super) fn drive(&mut self, now: Time, on: ChannelSet, which: ChannelSet, memory: &Memory) {
-        self.command_by(now, on, which, |output| memory.writer(output));
+    pub(crate) fn drive(&mut self, now: Time, on: ChannelSet, which: ChannelSet, memory: &Memory) {
+        let first = self.first_bit;
+        self.command_by(now, on, which, |output| memory.writer(first + output));
     }
 
     /// Commands these outputs at `now`, for an expert function: no bit of %Q has a part in it.
     #[inline]
-    pub(super) fn command(&mut self, now: Time, on: ChannelSet, which: ChannelSet) {
+    pub(crate) fn command(&mut self, now: Time, on: ChannelSet, which: ChannelSet) {
         self.command_by(now, on, which, |_| Cause::Controller);
     }
 
     /// Has an output pulse at `now`, for an expert function whose pulses hardware makes.
-    pub(super) fn pulse(&mut self, now: Time, output: usize, period: Span, high: Span) {
+    pub(crate) fn pulse(&mut self, now: Time, output: usize, period: Span, high: Span) {
         let Some(terminal) = self.terminals.get_mut(output) else { return };
         terminal.wave = Shown::Wave { period, high };
         self.on.insert(output);
@@ -173,13 +205,13 @@ impl Outputs {
     }
 
     /// Commands hardware initialization values at `now` (controller:OUT-02).
-    pub(super) fn initialize(&mut self, now: Time) {
+    pub(crate) fn initialize(&mut self, now: Time) {
         (self.on, self.undriven, self.pulsing) = (ChannelSet::EMPTY, self.floating, ChannelSet::EMPTY);
         self.aim(now, self.all(), |_| Cause::Controller);
     }
 
     /// Switches the stages of these outputs off at once, without delay, and lets the others follow their commands.
-    pub(super) fn cut(&mut self, now: Time, cut: ChannelSet) {
+    pub(crate) fn cut(&mut self, now: Time, cut: ChannelSet) {
         let changed = cut ^ std::mem::replace(&mut self.cut, cut);
         if !changed.is_empty() {
             self.aim(now, changed & self.all(), |_| Cause::Controller);
@@ -225,6 +257,10 @@ impl Outputs {
         self.find_first();
     }
 
+    fn terminal(&self, output: usize) -> Terminal {
+        Terminal { module: self.module, channel: IoChannel::Output(output) }
+    }
+
     fn find_first(&mut self) {
         self.first = Time::MAX;
         for output in self.pending {
@@ -234,33 +270,35 @@ impl Outputs {
 
     /// When the next edge comes out; [`Time::MAX`] for none.
     #[inline]
-    pub(super) fn next(&self) -> Time {
+    pub(crate) fn next(&self) -> Time {
         self.first
     }
 
     /// Reports at `now`, after which nothing comes any more, what faster stages may have shown of the edges to come.
-    pub(super) fn report_unsettled(&mut self, now: Time, mut report: impl FnMut(Effect)) {
+    pub(crate) fn report_unsettled(&mut self, now: Time, mut report: impl FnMut(Effect)) {
         for output in self.pending {
+            let place = self.terminal(output);
             let terminal = &mut self.terminals[output];
             terminal.take_back(now);
-            if let Some(unsettled) = terminal.unsettled(output, now, true) {
+            if let Some(unsettled) = terminal.unsettled(place, now, true) {
                 report(unsettled);
             }
         }
     }
 
     /// The edges due at `now` come out.
-    pub(super) fn fire(&mut self, now: Time, mut report: impl FnMut(Effect)) {
+    pub(crate) fn fire(&mut self, now: Time, mut report: impl FnMut(Effect)) {
         if self.first > now {
             return;
         }
         for output in self.pending {
+            let place = self.terminal(output);
             let terminal = &mut self.terminals[output];
             if terminal.at <= now {
                 let changed = std::mem::replace(&mut terminal.shown, terminal.next) != terminal.next;
                 self.pending.remove(output);
                 let (at, cause) = (terminal.at, terminal.cause);
-                let unsettled = terminal.unsettled(output, at, !changed);
+                let unsettled = terminal.unsettled(place, at, !changed);
                 // After a pulse that a faster stage may have shown, such a stage may have the new level since then.
                 let is_known = unsettled.is_none();
                 if let Some(unsettled) = unsettled {
@@ -273,8 +311,7 @@ impl Outputs {
                     Shown::Level(level) => {
                         let early =
                             if terminal.at_most && is_known { at - terminal.since } else { Span::ZERO };
-                        let (terminal, value) = (Terminal::output(output), Value::from(level));
-                        Effect::Terminal { at, terminal, value, cause, early }
+                        Effect::Terminal { at, terminal: place, value: Value::from(level), cause, early }
                     }
                     Shown::Wave { period, high } => Effect::Wave { at, output, period, high, cause },
                 });
@@ -290,12 +327,17 @@ mod tests {
     use crate::effect::Effects;
     use profile::{Profile, Reference};
 
+    fn of(name: &str, worst_case: bool) -> Outputs {
+        let stages = profile::outputs(Reference::find(name).unwrap()).map(OutputStage::from);
+        Outputs::new(0, 0, stages, worst_case)
+    }
+
     fn outputs(name: &str) -> Outputs {
-        Outputs::new(profile::outputs(Reference::find(name).unwrap()), false)
+        of(name, false)
     }
 
     fn worst_case(name: &str) -> Outputs {
-        Outputs::new(profile::outputs(Reference::find(name).unwrap()), true)
+        of(name, true)
     }
 
     fn us(n: i64) -> Time {

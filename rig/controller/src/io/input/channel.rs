@@ -8,7 +8,7 @@ use signal::{Span, Time};
 /// The own delay is inertial: a level counts once it has lasted that long. Nothing is ticked: a channel is brought to
 /// an instant when somebody looks at it, and says when it would turn by itself.
 #[derive(Clone, Debug)]
-pub(super) struct InputChannel {
+pub(crate) struct InputChannel {
     delay: Span,
     stage: FilterStage,
     /// Level at the terminal.
@@ -35,7 +35,7 @@ enum FilterStage {
 
 impl InputChannel {
     /// A channel at rest at 0; `expert` where an expert function looks at the input (io:EIO-12).
-    pub(super) fn new(delay: Span, config: &InputConfig, expert: bool) -> InputChannel {
+    pub(crate) fn new(delay: Span, config: &InputConfig, expert: bool) -> InputChannel {
         let stage = if expert || config.is_expert() {
             FilterStage::AntiBounce { bounce: config.bounce.span(), since: Time::MIN }
         } else {
@@ -52,8 +52,21 @@ impl InputChannel {
         }
     }
 
+    /// A channel at rest at 0 that has no filter.
+    pub(crate) fn unfiltered(delay: Span) -> InputChannel {
+        InputChannel {
+            delay,
+            stage: FilterStage::Integrator { full: 0, sum: 0 },
+            terminal: false,
+            inside: false,
+            follows: Time::MAX,
+            at: Time::MIN,
+            out: false,
+        }
+    }
+
     /// The electronics come up at `now`: everything behind the terminal starts from 0. Returns the terminal's level.
-    pub(super) fn power_on(&mut self, now: Time) -> bool {
+    pub(crate) fn power_on(&mut self, now: Time) -> bool {
         (self.inside, self.out, self.at) = (false, false, now);
         match &mut self.stage {
             FilterStage::Integrator { sum, .. } => *sum = 0,
@@ -64,7 +77,7 @@ impl InputChannel {
     }
 
     /// The terminal has this level from `now` on, to which the channel was brought. Returns whether that is a change.
-    pub(super) fn set(&mut self, now: Time, high: bool) -> bool {
+    pub(crate) fn set(&mut self, now: Time, high: bool) -> bool {
         let changed = self.terminal != high;
         if changed {
             self.terminal = high;
@@ -74,17 +87,17 @@ impl InputChannel {
     }
 
     /// Level at the terminal.
-    pub(super) const fn terminal(&self) -> bool {
+    pub(crate) const fn terminal(&self) -> bool {
         self.terminal
     }
 
     /// Level behind the filter.
-    pub(super) const fn out(&self) -> bool {
+    pub(crate) const fn out(&self) -> bool {
         self.out
     }
 
     /// Brings the channel to `now`; `edge` is called when the level behind the filter turned, and to what.
-    pub(super) fn advance(&mut self, now: Time, mut edge: impl FnMut(Time, bool)) {
+    pub(crate) fn advance(&mut self, now: Time, mut edge: impl FnMut(Time, bool)) {
         if self.inside != self.terminal && self.follows <= now {
             self.pass(self.follows, &mut edge);
             self.inside = self.terminal;
@@ -124,13 +137,13 @@ impl InputChannel {
     }
 
     /// When it has to be looked at next, so that no turn is seen late.
-    pub(super) fn next(&self) -> Time {
+    pub(crate) fn next(&self) -> Time {
         let follows = if self.inside == self.terminal { Time::MAX } else { self.follows };
         self.turns().min(follows)
     }
 
     /// Whether anything in it can change without a change at the terminal.
-    pub(super) fn moves(&self) -> bool {
+    pub(crate) fn moves(&self) -> bool {
         let rest = match self.stage {
             FilterStage::Integrator { full, sum } => sum == if self.inside { full } else { 0 },
             FilterStage::AntiBounce { .. } => true,

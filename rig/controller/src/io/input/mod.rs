@@ -1,6 +1,6 @@
 //! The embedded inputs: filters, latches, and the edges that raise events or run and stop the controller.
 
-mod channel;
+pub(crate) mod channel;
 #[cfg(test)]
 mod tests;
 
