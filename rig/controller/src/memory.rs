@@ -144,6 +144,20 @@ impl Memory {
         self.inputs.set(at, value)
     }
 
+    /// Sets these bits of a byte of %I; whether any changed.
+    #[inline]
+    pub(crate) fn set_input_bits(&mut self, at: usize, mask: u8, bits: u8) -> bool {
+        let Some(byte) = self.inputs.bytes_mut().get_mut(at) else { return false };
+        let new = *byte & !mask | bits & mask;
+        std::mem::replace(byte, new) != new
+    }
+
+    /// A byte of %Q.
+    #[inline]
+    pub(crate) fn output_byte(&self, at: usize) -> u8 {
+        self.outputs.bytes().get(at).copied().unwrap_or(0)
+    }
+
     /// The embedded outputs whose bits in %Q are 1.
     #[inline]
     pub(crate) fn outputs(&self) -> ChannelSet {

@@ -5,7 +5,8 @@
 //! [`TaskModule::share`].
 
 use crate::application::Application;
-use crate::config::{AlwaysUpdate, OutputsInStop};
+use crate::bus::ExpansionBus;
+use crate::config::{AlwaysUpdate, Config, OutputsInStop};
 use crate::effect::{Effect, Effects};
 use crate::memory::Memory;
 use crate::state::State;
@@ -145,6 +146,11 @@ impl<'a> Sharing<'a> {
         Sharing { application, places, bus_cycle, always_update }
     }
 
+    /// Rank of the bus cycle task.
+    pub(crate) const fn bus_cycle(&self) -> Option<usize> {
+        self.bus_cycle
+    }
+
     /// Number of tasks: ranks are below it.
     pub fn tasks(&self) -> usize {
         self.places.len()
@@ -181,17 +187,20 @@ impl<'a> Sharing<'a> {
     }
 }
 
-/// The modules after the embedded I/O, in the order of the configuration.
-#[derive(Debug, Default)]
+/// The modules after the embedded I/O: those that tasks exchange, then those on the bus in the order of the configuration.
+#[derive(Debug)]
 pub(crate) struct Modules {
     list: Vec<Box<dyn TaskModule>>,
+    /// The expansion bus.
+    pub(crate) bus: ExpansionBus,
     /// At each update in STOPPED and HALT their outputs are set to their default values.
     at_defaults: bool,
 }
 
 impl Modules {
-    pub(crate) fn new(list: Vec<Box<dyn TaskModule>>) -> Modules {
-        Modules { list, at_defaults: false }
+    pub(crate) fn new(config: &Config, list: Vec<Box<dyn TaskModule>>) -> Modules {
+        let bus = ExpansionBus::new(config, 1 + list.len());
+        Modules { list, bus, at_defaults: false }
     }
 
     /// Each module that tasks exchange, first the embedded I/O.
@@ -210,14 +219,20 @@ impl Modules {
         &'a mut self,
         embedded: &'a mut dyn TaskModule,
     ) -> impl Iterator<Item = &'a mut dyn IoModule> {
-        self.exchanged(embedded).map(|module| module as &mut dyn IoModule)
+        let list = self.list.iter_mut().map(|module| &mut **module as &mut dyn IoModule);
+        std::iter::once(embedded as &mut dyn IoModule).chain(list).chain(self.bus.modules_mut())
+    }
+
+    /// Each module after the embedded I/O.
+    fn others(&self) -> impl Iterator<Item = &dyn IoModule> {
+        self.list.iter().map(|module| &**module as &dyn IoModule).chain(self.bus.modules())
     }
 
     /// The module of a number; 0 is the embedded I/O.
     pub(crate) fn get<'a>(&'a self, embedded: &'a dyn IoModule, module: usize) -> Option<&'a dyn IoModule> {
         match module.checked_sub(1) {
             None => Some(embedded),
-            Some(place) => self.list.get(place).map(|module| &**module as &dyn IoModule),
+            Some(place) => self.others().nth(place),
         }
     }
 
@@ -237,7 +252,7 @@ impl Modules {
             return false;
         }
         let mut changed = false;
-        for channel in self.list.iter().flat_map(|module| module.channels()) {
+        for channel in self.others().flat_map(|module| module.channels()) {
             if matches!(channel.channel, IoChannel::Output(_)) {
                 changed |= memory.load(channel.address) != channel.default;
                 memory.set_cause(Cause::Controller);
@@ -250,7 +265,7 @@ impl Modules {
     /// When something happens in one of them by itself.
     #[inline]
     pub(crate) fn next(&self) -> Time {
-        self.list.iter().map(|module| module.next()).min().unwrap_or(Time::MAX)
+        self.others().map(|module| module.next()).min().unwrap_or(Time::MAX)
     }
 
     /// The status of the first of them that is not as it should be (controller:SYS-06). None is configured without an

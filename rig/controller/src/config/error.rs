@@ -3,7 +3,7 @@
 use super::{InputFault, RunStopFault};
 use crate::event_source::ExternalEventSource;
 use expert::ExpertError;
-use profile::{MINIMUM_CYCLE, PRIORITIES};
+use profile::{CompositionError, ImageFull, MINIMUM_CYCLE, PRIORITIES};
 use signal::Span;
 use thiserror::Error;
 
@@ -60,6 +60,18 @@ pub enum ConfigError {
     /// The profile does not have this choice of "Always update variables" (controller:DEV-10).
     #[error("the profile does not have this choice of \"Always update variables\"")]
     AlwaysUpdate,
+    /// A module that cannot be where it is (io: sections 9, 10 and 12).
+    #[error("{0}")]
+    Module(CompositionError),
+    /// A module that the rig has no model of yet.
+    #[error("module {} of the list has no model yet: digital TM3 and TM2 modules, transmitter and receiver have one", place + 1)]
+    NoModuleModel {
+        /// Its place in the list.
+        place: usize,
+    },
+    /// The images have no room for the modules (io:ADR-06).
+    #[error("{0}")]
+    ImageFull(ImageFull),
     /// An expert function (io: section 6.2).
     #[error("the expert function {}: {}", .0.function + 1, .0)]
     Expert(#[source] ExpertError),

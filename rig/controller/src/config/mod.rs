@@ -15,8 +15,9 @@ pub use relocation::{RelocationConfig, RelocationPart};
 pub use task::{TaskConfig, TaskKind, TaskWatchdog};
 pub use warnings::Warning;
 
+use crate::bus;
 use expert::{ExpertConfig, ExpertError, InputConditions, ReservedChannels};
-use profile::{ChannelSet, MINIMUM_CYCLE, PRIORITIES, Profile, Reference};
+use profile::{ChannelSet, ConfiguredModule, MINIMUM_CYCLE, PRIORITIES, Profile, Reference};
 use signal::Span;
 
 /// The configuration of a controller. The place of a task in `tasks` is its number everywhere.
@@ -64,6 +65,8 @@ pub struct Config {
     pub always_update: AlwaysUpdate,
     /// Fast counters and pulse generators (io: section 6).
     pub expert: ExpertConfig,
+    /// Expansion modules and cartridges, in the order of the device tree (io: sections 9 and 10).
+    pub modules: Vec<ConfiguredModule<'static>>,
     /// Inputs behind whose terminals hardware counts: fast counters take its counts in place of edges.
     pub counted: ChannelSet,
 }
@@ -94,6 +97,7 @@ impl Config {
             bus_cycle_task: BusCycle::default(),
             always_update: AlwaysUpdate::default_of(profile),
             expert: ExpertConfig::default(),
+            modules: Vec::new(),
             counted: ChannelSet::EMPTY,
         }
     }
@@ -195,6 +199,7 @@ impl Config {
         if !self.always_update.exists(self.profile) {
             return Err(ConfigError::AlwaysUpdate);
         }
+        self.check_modules()?;
         self.check_inputs()?;
         if let Some(error) = self.check_expert().first() {
             return Err(ConfigError::Expert(*error));
@@ -213,6 +218,15 @@ impl Config {
             return Err(ConfigError::NoCan);
         }
         Ok(())
+    }
+
+    /// Whether the modules can be configured so (io: sections 9, 10 and 12).
+    fn check_modules(&self) -> Result<(), ConfigError> {
+        profile::check_modules(self.profile, self.reference, &self.modules).map_err(ConfigError::Module)?;
+        if let Some(place) = self.modules.iter().position(|one| !bus::is_modelled(one.module)) {
+            return Err(ConfigError::NoModuleModel { place });
+        }
+        self.reference.module_addresses(&self.modules).map(drop).map_err(ConfigError::ImageFull)
     }
 
     /// Everything for which the profile does not accept the expert functions.

@@ -50,6 +50,7 @@ impl Controller {
         for module in self.modules.exchanged(&mut self.io) {
             module.share(&sharing);
         }
+        self.modules.bus.share(&sharing);
     }
 
     /// The electronics of inputs and outputs come up.
@@ -81,6 +82,7 @@ impl Controller {
         for module in self.modules.exchanged(&mut self.io) {
             changed |= module.sample(at, ExchangeCycle { rank, mast }, &mut self.memory);
         }
+        changed |= self.modules.bus.begin_cycle(at, rank, &mut self.memory);
         if changed {
             self.observe(class::MEMORY, at, Cause::Board, fx);
         }
@@ -97,6 +99,7 @@ impl Controller {
             written.image_changed |= it.image_changed;
             written.stages_changed |= it.stages_changed;
         }
+        self.modules.bus.end_cycle(at, rank, &self.memory);
         self.observe_written(written, at, fx);
     }
 

@@ -113,7 +113,7 @@ impl Controller {
         Ok(Controller {
             memory: Memory::new(config.profile),
             io: EmbeddedIo::new(&config),
-            modules: Modules::new(modules),
+            modules: Modules::new(&config, modules),
             ports: Ports::new(config.reference.ports.len()),
             scheduler: Scheduler::new(&config),
             power: Power::new(config.tool_connected),

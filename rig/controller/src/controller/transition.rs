@@ -89,6 +89,7 @@ impl Controller {
         self.power.refresh = None;
         self.io.abandon_initialization();
         self.modules.forget_fallback();
+        self.modules.bus.unload();
         self.initialize_outputs(now);
     }
 

@@ -1,0 +1,165 @@
+//! Modules on the expansion bus: the bus cycle, the virtual image, delays.
+
+use crate::support::*;
+use profile::{
+    ConfiguredModule, DigitalInputs, DigitalOutputs, IoChannel, ModuleFamily, ModuleKind, ModuleType, Profile,
+};
+use scanrig_controller::*;
+use signal::{Span, Value};
+use std::sync::OnceLock;
+
+const INPUT_DELAY: i64 = 4_000;
+const OUTPUT_DELAY: i64 = 450;
+
+/// Sixteen inputs and sixteen outputs with delays.
+fn module() -> ConfiguredModule<'static> {
+    static MODULE: OnceLock<ModuleType> = OnceLock::new();
+    ConfiguredModule::new(MODULE.get_or_init(|| {
+        let mut module = ModuleType::new("TM3TEST", ModuleFamily::Tm3, ModuleKind::Digital);
+        module.id = Some(200);
+        module.profiles = vec![Profile::M241_2014, Profile::M241_2019, Profile::M251_2024];
+        let delay = Some(us(INPUT_DELAY));
+        module.digital_inputs =
+            Some(DigitalInputs { count: 16, rating: None, on_delay: delay, off_delay: delay });
+        let delay = Some(us(OUTPUT_DELAY));
+        module.digital_outputs = Some(DigitalOutputs {
+            count: 16,
+            kind: None,
+            rating: None,
+            output_current: None,
+            common_current: None,
+            on_delay: delay,
+            off_delay: delay,
+        });
+        module
+    }))
+}
+
+/// MAST every 20 ms, FAST every 2 ms before it; two modules, after the embedded bytes: inputs from %IX4.0 and %IX6.0 on, outputs
+/// from %QX4.0 and %QX6.0 on.
+fn two_tasks() -> Config {
+    let mut config = config();
+    config.tasks = vec![task("MAST", 15, ms(20)), task("FAST", 1, ms(2))];
+    config.modules = vec![module(), module()];
+    config
+}
+
+fn input(module: usize, input: usize) -> Terminal {
+    Terminal { module, channel: IoChannel::Input(input) }
+}
+
+/// When the terminal of an output turned, since the start of RUNNING, and to what.
+fn edges(rig: &Rig, module: usize, output: usize) -> Vec<(Span, Value)> {
+    let wanted = Terminal { module, channel: IoChannel::Output(output) };
+    let of = |effect: &Effect| match *effect {
+        Effect::Terminal { at, terminal, value, .. } if terminal == wanted => {
+            Some((at - run_at(Span::ZERO), value))
+        }
+        _ => None,
+    };
+    rig.seen.iter().filter_map(of).collect()
+}
+
+// io:ADR-01, io:ADR-05
+#[test]
+fn modules_have_the_terminals_of_their_addresses() {
+    let rig = Rig::running(two_tasks(), Script::new(vec![vec![(1_000, Act::Nop)], vec![(1_000, Act::Nop)]]));
+    assert_eq!(rig.plc.terminal(at("%IX4.0")), Some(input(1, 0)));
+    assert_eq!(rig.plc.terminal(at("%IX7.7")), Some(input(2, 15)));
+    assert_eq!(rig.plc.terminal(at("%IX8.0")), None);
+    let output = Terminal { module: 2, channel: IoChannel::Output(3) };
+    assert_eq!(rig.plc.terminal(at("%QX6.3")), Some(output));
+}
+
+// io:BUS-09, controller:PRIO-06, controller:PRIO-07
+#[test]
+fn the_bus_cycle_alone_exchanges_and_tasks_see_the_virtual_image() {
+    let app = Script::new(vec![
+        vec![(1_000, Act::Copy(at("%IX4.1"), at("%QX0.0")))],
+        vec![(1_000, Act::Copy(at("%IX4.0"), at("%QX6.3")))],
+    ]);
+    let mut rig = Rig::running(two_tasks(), app);
+    rig.to(run_at(ms(61)));
+    rig.plc.input(rig.now, input(1, 0), Value::Bool(true));
+    rig.plc.input(rig.now, input(1, 1), Value::Bool(true));
+    // It has passed its delay at 65 ms; MAST reads at 80 ms, after FAST has begun its cycle of that instant.
+    rig.to(run_at(ms(81)));
+    assert_eq!((rig.memory("%IX4.0"), rig.memory("%IX4.1")), (0, 1));
+    rig.to(run_at(ms(83)));
+    assert_eq!((rig.memory("%IX4.0"), rig.memory("%QX6.3")), (1, 1));
+    // FAST wrote it at 82 ms: the module has it when MAST ends, 1 us of its own and 1 us of FAST after 100 ms.
+    rig.to(run_at(ms(120)));
+    assert_eq!(edges(&rig, 2, 3), [(us(100_002 + OUTPUT_DELAY), Value::Bool(true))]);
+}
+
+// controller:STOP-04, controller:OUT-02
+#[test]
+fn in_stopped_each_update_is_a_bus_cycle() {
+    let app =
+        Script::new(vec![vec![(1_000, Act::Copy(at("%IX4.0"), at("%QX4.0")))], vec![(1_000, Act::Nop)]]);
+    let config = Config { outputs_in_stop: OutputsInStop::Keep, ..two_tasks() };
+    let mut rig = Rig::running(config, app);
+    rig.plc.input(rig.now, input(1, 0), Value::Bool(true));
+    rig.after(ms(100));
+    rig.command(Command::Stop).unwrap();
+    rig.plc.input(rig.now, input(1, 0), Value::Bool(false));
+    rig.after(ms(100));
+    assert_eq!((rig.memory("%IX4.0"), edges(&rig, 1, 0).len()), (0, 1));
+    rig.command(Command::ResetOrigin).unwrap();
+    rig.after(ms(100));
+    assert_eq!(edges(&rig, 1, 0).last().map(|(_, value)| *value), Some(Value::Bool(false)));
+    assert_eq!(
+        rig.plc.read(&Probe::Terminal(Terminal { module: 1, channel: IoChannel::Output(0) })),
+        Value::Bool(false)
+    );
+}
+
+// controller:DEV-12: a channel that no task uses is exchanged by the bus cycle task, or by none.
+#[test]
+fn unused_channels_are_exchanged_as_configured() {
+    for (always_update, expected) in [(AlwaysUpdate::Unused, 1), (AlwaysUpdate::Disabled, 0)] {
+        let mut config = Config::new(Profile::M251_2024);
+        (config.always_update, config.modules) = (always_update, vec![module()]);
+        let mut rig = Rig::running(config, Script::new(vec![vec![(1_000, Act::Nop)]]));
+        rig.plc.input(rig.now, input(1, 9), Value::Bool(true));
+        rig.after(ms(100));
+        assert_eq!(rig.memory("%IX1.1"), expected, "{always_update:?}");
+    }
+}
+
+// Delays are inertial: what is shorter than they are has no effect.
+#[test]
+fn a_pulse_shorter_than_the_delay_is_not_seen() {
+    let app =
+        Script::new(vec![vec![(1_000, Act::Copy(at("%IX4.0"), at("%QX4.0")))], vec![(1_000, Act::Nop)]]);
+    let mut rig = Rig::running(two_tasks(), app);
+    for (level, at) in [(true, 37_000), (false, 37_000 + INPUT_DELAY - 1), (true, 57_000)] {
+        rig.to(run_at(us(at)));
+        rig.plc.input(rig.now, input(1, 0), Value::Bool(level));
+    }
+    rig.to(run_at(ms(59)));
+    assert_eq!(rig.memory("%IX4.0"), 0);
+    rig.to(run_at(ms(79)));
+    // 3 ms are too short for the cycle at 60 ms.
+    assert_eq!(rig.memory("%IX4.0"), 0);
+    rig.to(run_at(ms(81)));
+    assert_eq!(rig.memory("%IX4.0"), 1);
+}
+
+// io:BUS-02, io:ADR-06
+#[test]
+fn what_cannot_be_configured_is_refused() {
+    static COUNTER: OnceLock<ModuleType> = OnceLock::new();
+    let counter = COUNTER.get_or_init(|| {
+        let mut module = ModuleType::new("TM3XTEST", ModuleFamily::Tm3, ModuleKind::Expert);
+        (module.id, module.profiles) = (Some(201), vec![Profile::M241_2019]);
+        module
+    });
+    let check = |modules: Vec<ConfiguredModule<'static>>| Config { modules, ..config() }.check();
+    assert_eq!(check(vec![module(); 7]), Ok(()));
+    assert!(matches!(check(vec![module(); 8]), Err(ConfigError::Module(error)) if error.place == 7));
+    assert_eq!(
+        check(vec![module(), ConfiguredModule::new(counter)]),
+        Err(ConfigError::NoModuleModel { place: 1 })
+    );
+}
