@@ -85,6 +85,7 @@ document::codes! {
     SEND = "P0675", "A frame that cannot be sent";
     FRAME_VALUE = "P0676", "A value that a frame cannot carry";
     UNKNOWN_FRAME = "P0677", "A frame that the plan does not name";
+    MODULE = "P0678", "A module that the catalogue does not have";
     FUNCTION_KEY = "P0690", "A key that does not apply to this kind of expert function";
     GRID = "P0710", "A grid that jitter cannot be measured from";
     TRAIN = "P0711", "A pulse train whose direction cannot be described like this";

@@ -79,6 +79,7 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("R0223", "a board file beside the plan"),
     ("R0224", "real lines"),
     ("R0226", "a variable of the environment"),
+    ("R0262", "fourteen modules do not fill the images"),
     ("R0230", "a folder beside the plan"),
     ("R0231", "a case that does not apply"),
     ("R0232", "a full disk"),

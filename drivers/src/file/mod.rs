@@ -47,12 +47,23 @@ pub use subject::{External, Subject, SubjectLines};
 /// The terminals of a controller that a board can be bound to, in the order of their numbers, and its ports.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Terminals {
-    /// Its inputs: `I0` is the first.
+    /// Its embedded inputs: `I0` is the first.
     pub inputs: Vec<Address>,
-    /// Its outputs: `Q0` is the first.
+    /// Its embedded outputs: `Q0` is the first.
     pub outputs: Vec<Address>,
+    /// The terminals of its modules.
+    pub modules: Vec<ModuleTerminal>,
     /// Its ports.
     pub ports: Vec<SubjectPort>,
+}
+
+/// A terminal of an expansion module.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ModuleTerminal {
+    /// The channel that it has by default: `M1.I0` is the first input of the first module.
+    pub name: String,
+    /// Its place in the images.
+    pub address: Address,
 }
 
 /// A subject that does not exist, with the names that do.
@@ -139,21 +150,27 @@ pub struct BoardFile {
 }
 
 impl BoardFile {
-    /// The board without a file: a simulated one with a channel `I0`, `I1`, ... for every input and `Q0`, `Q1`,
-    /// ... for every output, in the order given: digital for a bit, analog for more; and nothing between them. The subject is the default one.
-    pub fn default_for(inputs: &[Address], outputs: &[Address]) -> Self {
+    /// The board without a file: a simulated one with a channel `I0`, `I1`, ... for every embedded input, `Q0`, `Q1`, ... for every
+    /// embedded output, and one for every terminal of a module by its name: digital for a bit, analog for more; and nothing
+    /// between them. The subject is the default one.
+    pub fn default_for(terminals: &Terminals) -> Self {
         let mut circuit = Circuit::default();
         let mut bind = Vec::new();
-        for (letter, pull, addresses) in [('I', Pull::Down, inputs), ('Q', Pull::None, outputs)] {
-            for (number, address) in addresses.iter().enumerate() {
-                let Ok(place) = u16::try_from(circuit.channels.len()) else { break };
-                let name = format!("{letter}{number}");
-                circuit.channels.push(match address.size() {
-                    Size::Bit => ChannelSpec::digital(name, pull),
-                    _ => ChannelSpec::analog(name, ""),
-                });
-                bind.push(Binding { address: *address, channel: ChannelId(place) });
-            }
+        let embedded = |letter: char, all: &[Address]| {
+            let named =
+                all.iter().enumerate().map(|(number, address)| (format!("{letter}{number}"), *address));
+            named.collect::<Vec<_>>()
+        };
+        let of_modules = terminals.modules.iter().map(|terminal| (terminal.name.clone(), terminal.address));
+        let all = embedded('I', &terminals.inputs).into_iter().chain(embedded('Q', &terminals.outputs));
+        for (name, address) in all.chain(of_modules) {
+            let Ok(place) = u16::try_from(circuit.channels.len()) else { break };
+            let pull = if address.area() == Area::Input { Pull::Down } else { Pull::None };
+            circuit.channels.push(match address.size() {
+                Size::Bit => ChannelSpec::digital(name, pull),
+                _ => ChannelSpec::analog(name, ""),
+            });
+            bind.push(Binding { address, channel: ChannelId(place) });
         }
         bind.sort_by_key(|binding| binding.address);
         BoardFile {

@@ -12,6 +12,7 @@ mod groups;
 mod include;
 mod inputs;
 mod keys;
+mod modules;
 mod names;
 mod read;
 mod refusal;
@@ -41,6 +42,7 @@ pub use include::{PlanText, check_included, gather};
 pub use inputs::InputSettings;
 pub(crate) use keys::EXPECT_KEYS;
 pub use keys::{GROUP_KEYS, INCLUDED_KEYS, PLAN_KEYS, STEP_KEYS};
+pub use modules::ModuleSettings;
 pub use read::{MAX_CASES, MAX_STEPS, Plan, read, read_gathered};
 pub use refusal::ExpectedRefusal;
 pub use settings::{

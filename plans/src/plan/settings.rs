@@ -8,6 +8,7 @@ use signal::{Address, Area, Span};
 
 use super::functions::{self, FunctionSettings};
 use super::inputs::{self, InputSettings};
+use super::modules::{self, ModuleSettings};
 use crate::codes;
 use crate::lang::terminal;
 
@@ -125,6 +126,7 @@ pub(super) const SETTINGS_KEYS: &[KeySpec] = &[
         functions::EXPERT_TYPE,
         "Fast counters and pulse generators by their names, in order.",
     ),
+    KeySpec::optional("modules", modules::MODULES_TYPE, "Expansion modules, from the controller on."),
     KeySpec::optional("tasks", KeyType::Map(&TASK_TYPE), "Further tasks by their names."),
 ];
 
@@ -264,6 +266,8 @@ pub struct PlanSettings {
     pub relocation: [Vec<String>; 2],
     /// Fast counters and pulse generators.
     pub expert: Vec<FunctionSettings>,
+    /// Expansion modules, in the order of the device tree.
+    pub modules: Vec<ModuleSettings>,
 }
 
 /// What a plan says of a task.
@@ -346,6 +350,7 @@ pub(super) fn read(fields: &Fields<'_>, out: &mut Findings) -> PlanSettings {
     }
     relocation(fields, &mut settings, out);
     settings.expert = functions::read(fields, out);
+    settings.modules = modules::read(fields, out);
     inputs::read(fields, &mut settings, out);
     defaults(fields, &mut settings, out);
     if let Some(mast) = fields.get("mast").and_then(Node::as_table) {

@@ -105,6 +105,22 @@ pub const PROGRAM_NOT_LOADED: &str = "R0224";
 pub const FIGURES_OF_ANOTHER_MACHINE: &str = "R0252";
 /// A board that is no instrument.
 pub const NOT_AN_INSTRUMENT: &str = "R0255";
+/// A module that the controller of a case does not take.
+pub const MODULE_OF_ANOTHER_PROFILE: &str = "R0256";
+/// More modules than a controller takes.
+pub const TOO_MANY_MODULES: &str = "R0257";
+/// A link to remote modules that is not whole.
+pub const MODULE_LINK: &str = "R0258";
+/// A TM2 module where none can be.
+pub const MODULE_ORDER: &str = "R0259";
+/// A module that cannot be optional.
+pub const MODULE_NEVER_OPTIONAL: &str = "R0260";
+/// Two optional modules that the controller cannot distinguish.
+pub const OPTIONAL_TWINS: &str = "R0261";
+/// Modules that the images have no room for.
+pub const IMAGE_FULL: &str = "R0262";
+/// A module without a model.
+pub const MODULE_NOT_MODELLED: &str = "R0263";
 /// A frame that its bus cannot carry.
 pub const FRAME_NOT_CARRIED: &str = "R0270";
 /// A port that the controller of a case lacks.
@@ -278,6 +294,14 @@ pub const CODES: &[(&str, &str)] = &[
     ("R0253", "A measurement without real lines"),
     ("R0254", "A loop or output that the board does not have"),
     (NOT_AN_INSTRUMENT, "A board that is no instrument"),
+    (MODULE_OF_ANOTHER_PROFILE, "A module that the controller does not take"),
+    (TOO_MANY_MODULES, "More modules than the controller takes"),
+    (MODULE_LINK, "A link to remote modules that is not whole"),
+    (MODULE_ORDER, "A TM2 module where none can be"),
+    (MODULE_NEVER_OPTIONAL, "A module that cannot be optional"),
+    (OPTIONAL_TWINS, "Two optional modules that cannot be distinguished"),
+    (IMAGE_FULL, "Modules that the images have no room for"),
+    (MODULE_NOT_MODELLED, "A module that has no model yet"),
     (FRAME_NOT_CARRIED, "A frame that its bus cannot carry"),
     (PORT_MISSING, "A port that the controller of a case lacks"),
     (NO_BUS, "A bus that the plan's board does not have"),

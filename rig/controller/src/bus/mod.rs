@@ -28,7 +28,7 @@ pub(crate) trait BusModule: IoModule {
 }
 
 /// Whether there is a model of such a module.
-pub(crate) fn is_modelled(module: &ModuleType) -> bool {
+pub fn is_module_modelled(module: &ModuleType) -> bool {
     module.kind.is_link() || module.is_on_bus() && module.kind == ModuleKind::Digital
 }
 

@@ -223,7 +223,7 @@ impl Config {
     /// Whether the modules can be configured so (io: sections 9, 10 and 12).
     fn check_modules(&self) -> Result<(), ConfigError> {
         profile::check_modules(self.profile, self.reference, &self.modules).map_err(ConfigError::Module)?;
-        if let Some(place) = self.modules.iter().position(|one| !bus::is_modelled(one.module)) {
+        if let Some(place) = self.modules.iter().position(|one| !bus::is_module_modelled(one.module)) {
             return Err(ConfigError::NoModuleModel { place });
         }
         self.reference.module_addresses(&self.modules).map(drop).map_err(ConfigError::ImageFull)

@@ -7,6 +7,7 @@ pub mod catalogue;
 pub mod coverage;
 pub mod functions;
 pub(crate) mod inputs;
+pub(crate) mod modules;
 pub mod observable;
 pub mod store;
 pub(crate) mod system_variables;

@@ -2,6 +2,7 @@
 
 use crate::application::functions;
 use crate::application::inputs;
+use crate::application::modules;
 use crate::codes;
 use crate::suite::case_files::CaseFiles;
 use controller::{
@@ -78,6 +79,7 @@ pub fn configuration(settings: &PlanSettings, files: &CaseFiles) -> Result<Confi
         config.counted = functions::counted(&files.board, files.reference);
         functions::check_counted(&config.expert, config.counted, settings, &files.plan.name)?;
     }
+    config.modules = modules::configure(&settings.modules, files.profile, files.reference, &files.plan.name)?;
     inputs::configure(&mut config, settings, &files.plan.name)?;
     for (address, on) in &settings.output_defaults {
         let output = address.bit_offset() as usize;

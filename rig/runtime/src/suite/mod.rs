@@ -10,20 +10,20 @@ pub(crate) mod ports;
 pub mod real_boards;
 pub mod suites;
 
-use crate::application::blocks;
+use crate::application::{blocks, modules};
 use crate::codes;
 use crate::suite::case_files::{CaseFiles, OtherProgram};
 pub use crate::suite::file_source::{Disk, FileSource, beside, load, load_program};
 use document::{Diagnostic, SourceFile};
 use drivers::file::{
-    BoardFile, Subject as BoardSubject, SubjectPort, SubjectPortKind, Terminals, UnknownSubject,
-    read as read_board,
+    BoardFile, ModuleTerminal, Subject as BoardSubject, SubjectPort, SubjectPortKind, Terminals,
+    UnknownSubject, read as read_board,
 };
 use plans::plan::{GlobalChecks, PlanText};
 use plans::steps::ProgramRef;
 use plans::steps::Stimulus;
 use plans::{Case, Plan};
-use profile::{PortKind, Profile, Reference, SerialMedia};
+use profile::{ConfiguredModule, PortKind, Profile, Reference, SerialMedia};
 use signal::{Address, Area};
 use std::ops::Range;
 use std::sync::Arc;
@@ -34,10 +34,10 @@ use std::sync::Arc;
 /// [`UnknownSubject`] with the names that exist.
 pub fn terminals(subject: &BoardSubject) -> Result<Terminals, UnknownSubject> {
     let (_, reference) = subject_of(subject)?;
-    Ok(terminals_of(reference))
+    Ok(terminals_of(reference, &[]))
 }
 
-fn terminals_of(reference: &'static Reference) -> Terminals {
+fn terminals_of(reference: &'static Reference, modules: &[ConfiguredModule<'_>]) -> Terminals {
     let inputs =
         profile::inputs(reference).map(|input| Address::bit(Area::Input, input.byte * 8 + input.bit));
     let outputs =
@@ -50,7 +50,33 @@ fn terminals_of(reference: &'static Reference) -> Terminals {
             other => SubjectPortKind::Other(other.to_string()),
         },
     });
-    Terminals { inputs: inputs.collect(), outputs: outputs.collect(), ports: ports.collect() }
+    Terminals {
+        inputs: inputs.collect(),
+        outputs: outputs.collect(),
+        modules: module_terminals(reference, modules),
+        ports: ports.collect(),
+    }
+}
+
+/// The terminals of modules: `M2.Q0` is the first output of the second module of the list. A list that the controller refuses has
+/// none; whoever configures the controller reports why.
+fn module_terminals(reference: &'static Reference, modules: &[ConfiguredModule<'_>]) -> Vec<ModuleTerminal> {
+    let places = reference.module_addresses(modules).unwrap_or_default();
+    let mut terminals = Vec::new();
+    for (number, place) in (1..).zip(&places) {
+        for (letter, channels) in [
+            ("I", place.digital_inputs),
+            ("IW", place.analogue_inputs),
+            ("Q", place.digital_outputs),
+            ("QW", place.analogue_outputs),
+        ] {
+            let channels = channels.into_iter().flat_map(|all| all.iter()).enumerate();
+            let name = |channel| format!("M{number}.{letter}{channel}");
+            terminals
+                .extend(channels.map(|(channel, address)| ModuleTerminal { name: name(channel), address }));
+        }
+    }
+    terminals
 }
 
 fn subject_of(subject: &BoardSubject) -> Result<(Profile, &'static Reference), UnknownSubject> {
@@ -411,8 +437,8 @@ impl LoadedPlan {
             }
             None => {
                 let reference = case.settings.reference.unwrap_or(job.profile.default_reference());
-                let terminals = terminals_of(reference);
-                (BoardFile::default_for(&terminals.inputs, &terminals.outputs), String::new(), reference)
+                let terminals = terminals_of(reference, &modules::configured(&case.settings.modules));
+                (BoardFile::default_for(&terminals), String::new(), reference)
             }
         };
         let of_board = self.board_guards.iter().filter(|guards| guards.file().name == board.name);
