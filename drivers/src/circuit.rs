@@ -6,7 +6,7 @@ mod tally;
 
 use std::fmt;
 
-use signal::{Span, Value};
+use signal::{Address, Area, Size, Span, Value};
 use thiserror::Error;
 
 use crate::channel::{ChannelId, ChannelKind};
@@ -44,6 +44,16 @@ pub struct ChannelSpec {
 }
 
 impl ChannelSpec {
+    /// The channel that a simulated board has for a terminal that its file says nothing of: digital for a bit, with a pull
+    /// for an input, and analog for more.
+    pub(crate) fn default_of(name: String, address: Address) -> ChannelSpec {
+        let pull = if address.area() == Area::Input { Pull::Down } else { Pull::None };
+        match address.size() {
+            Size::Bit => ChannelSpec::digital(name, pull),
+            _ => ChannelSpec::analog(name, ""),
+        }
+    }
+
     /// A digital channel that is driven and sensed, let go when safe.
     pub fn digital(name: impl Into<String>, pull: Pull) -> Self {
         let kind = ChannelKind::Digital;

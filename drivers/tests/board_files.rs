@@ -33,7 +33,7 @@ fn terminals(subject: &Subject) -> Result<Terminals, UnknownSubject> {
         port("CAN_1", "CAN_1", SubjectPortKind::Can),
         port("Ethernet_1", "Ethernet_1", SubjectPortKind::Other("an Ethernet network".into())),
     ];
-    Ok(Terminals { inputs, outputs, modules: Vec::new(), ports })
+    Ok(Terminals { inputs, outputs, ports })
 }
 
 /// As [`terminals`] but with levels alone, as the controllers have them.
@@ -123,8 +123,8 @@ fn numbers_are_converted_to_the_unit_of_their_channel() {
 #[test]
 fn the_smallest_file_is_the_default_board() {
     let file = read(&SourceFile::new("b.toml", "format = 1\n"), &levels).unwrap();
-    let terminals = levels(&Subject::default()).unwrap();
-    let default = BoardFile::default_for(&terminals);
+    let Terminals { inputs, outputs, .. } = levels(&Subject::default()).unwrap();
+    let default = BoardFile::default_for(&inputs, &outputs);
     assert_eq!((&file.circuit, &file.bind), (&default.circuit, &default.bind));
     assert_eq!(file.circuit.channels.len(), 24);
 }

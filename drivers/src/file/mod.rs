@@ -10,6 +10,7 @@ mod delays;
 mod devices;
 mod guard;
 mod keys;
+mod modules;
 mod number;
 mod parts;
 mod ports;
@@ -23,11 +24,11 @@ mod subject;
 
 use document::Diagnostic;
 use signal::calendar::Date;
-use signal::{Address, Area, Coverage, Size};
+use signal::{Address, Area, Coverage};
 
 use crate::adc::{AdcsSpec, Calibrated, calibrated};
 use crate::channel_table::ChannelTable;
-use crate::circuit::{ChannelSpec, Circuit, CircuitError, Pull};
+use crate::circuit::{ChannelSpec, Circuit, CircuitError};
 use crate::real::{self as real_devices, OfflineBoard, RealSpec};
 use crate::wrap::{Disturbance, Faulty};
 use crate::{Board, BoardContext, ChannelId, LoopbackPair, RealtimeSettings, SimulatedBoard};
@@ -39,6 +40,7 @@ pub use control::{ControlSettings, OnDisconnect};
 pub use delays::ChannelDelay;
 pub use guard::{Bite, GuardSettings, WatchdogSettings};
 pub use keys::KEYS;
+pub use modules::ModuleTerminal;
 pub use ports::{PortBinding, SubjectPort, SubjectPortKind};
 pub use read::read;
 pub use statements::Statement;
@@ -51,19 +53,8 @@ pub struct Terminals {
     pub inputs: Vec<Address>,
     /// Its embedded outputs: `Q0` is the first.
     pub outputs: Vec<Address>,
-    /// The terminals of its modules.
-    pub modules: Vec<ModuleTerminal>,
     /// Its ports.
     pub ports: Vec<SubjectPort>,
-}
-
-/// A terminal of an expansion module.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ModuleTerminal {
-    /// The channel that it has by default: `M1.I0` is the first input of the first module.
-    pub name: String,
-    /// Its place in the images.
-    pub address: Address,
 }
 
 /// A subject that does not exist, with the names that do.
@@ -150,27 +141,17 @@ pub struct BoardFile {
 }
 
 impl BoardFile {
-    /// The board without a file: a simulated one with a channel `I0`, `I1`, ... for every embedded input, `Q0`, `Q1`, ... for every
-    /// embedded output, and one for every terminal of a module by its name: digital for a bit, analog for more; and nothing
-    /// between them. The subject is the default one.
-    pub fn default_for(terminals: &Terminals) -> Self {
+    /// The board without a file: a simulated one with a channel `I0`, `I1`, ... for every input and `Q0`, `Q1`,
+    /// ... for every output, in the order given; and nothing between them. The subject is the default one.
+    pub fn default_for(inputs: &[Address], outputs: &[Address]) -> Self {
         let mut circuit = Circuit::default();
         let mut bind = Vec::new();
-        let embedded = |letter: char, all: &[Address]| {
-            let named =
-                all.iter().enumerate().map(|(number, address)| (format!("{letter}{number}"), *address));
-            named.collect::<Vec<_>>()
-        };
-        let of_modules = terminals.modules.iter().map(|terminal| (terminal.name.clone(), terminal.address));
-        let all = embedded('I', &terminals.inputs).into_iter().chain(embedded('Q', &terminals.outputs));
-        for (name, address) in all.chain(of_modules) {
-            let Ok(place) = u16::try_from(circuit.channels.len()) else { break };
-            let pull = if address.area() == Area::Input { Pull::Down } else { Pull::None };
-            circuit.channels.push(match address.size() {
-                Size::Bit => ChannelSpec::digital(name, pull),
-                _ => ChannelSpec::analog(name, ""),
-            });
-            bind.push(Binding { address, channel: ChannelId(place) });
+        for (letter, addresses) in [('I', inputs), ('Q', outputs)] {
+            for (number, address) in addresses.iter().enumerate() {
+                let Ok(place) = u16::try_from(circuit.channels.len()) else { break };
+                circuit.channels.push(ChannelSpec::default_of(format!("{letter}{number}"), *address));
+                bind.push(Binding { address: *address, channel: ChannelId(place) });
+            }
         }
         bind.sort_by_key(|binding| binding.address);
         BoardFile {

@@ -47,8 +47,8 @@ pub fn read(
         }
     };
     let default = match real {
-        true => BoardFile::default_for(&Terminals::default()),
-        false => BoardFile::default_for(&terminals),
+        true => BoardFile::default_for(&[], &[]),
+        false => BoardFile::default_for(&terminals.inputs, &terminals.outputs),
     };
     let title = fields.text("title").unwrap_or_default().to_owned();
     let punctual = fields.inner("realtime").map(|table| realtime(&table, &mut out)).unwrap_or_default();

@@ -271,7 +271,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path();
         let folder = Some(path);
-        let file = BoardFile::default_for(&drivers::file::Terminals::default());
+        let file = BoardFile::default_for(&[], &[]);
         let machine = vec![(String::from("kernel"), String::from("Linux 6.12"))];
         let text = |standing: &MachineFigures, place: usize| standing.facts[place].1.clone();
         let none = standing_in(folder, &file, &machine);

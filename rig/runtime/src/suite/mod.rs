@@ -34,10 +34,10 @@ use std::sync::Arc;
 /// [`UnknownSubject`] with the names that exist.
 pub fn terminals(subject: &BoardSubject) -> Result<Terminals, UnknownSubject> {
     let (_, reference) = subject_of(subject)?;
-    Ok(terminals_of(reference, &[]))
+    Ok(terminals_of(reference))
 }
 
-fn terminals_of(reference: &'static Reference, modules: &[ConfiguredModule<'_>]) -> Terminals {
+fn terminals_of(reference: &'static Reference) -> Terminals {
     let inputs =
         profile::inputs(reference).map(|input| Address::bit(Area::Input, input.byte * 8 + input.bit));
     let outputs =
@@ -50,12 +50,7 @@ fn terminals_of(reference: &'static Reference, modules: &[ConfiguredModule<'_>])
             other => SubjectPortKind::Other(other.to_string()),
         },
     });
-    Terminals {
-        inputs: inputs.collect(),
-        outputs: outputs.collect(),
-        modules: module_terminals(reference, modules),
-        ports: ports.collect(),
-    }
+    Terminals { inputs: inputs.collect(), outputs: outputs.collect(), ports: ports.collect() }
 }
 
 /// The terminals of modules: `M2.Q0` is the first output of the second module of the list. A list that the controller refuses has
@@ -429,7 +424,7 @@ impl LoadedPlan {
         });
         let given = self.board.as_ref().map(|(board, text)| (board, text));
         let own_board = given.is_none() && own.is_some();
-        let (board, board_text, reference) = match given.or(own) {
+        let (mut board, board_text, reference) = match given.or(own) {
             Some((board, text)) => {
                 let reference =
                     subject_of(&board.subject).map_or(job.profile.default_reference(), |(_, found)| found);
@@ -437,10 +432,11 @@ impl LoadedPlan {
             }
             None => {
                 let reference = case.settings.reference.unwrap_or(job.profile.default_reference());
-                let terminals = terminals_of(reference, &modules::configured(&case.settings.modules));
-                (BoardFile::default_for(&terminals), String::new(), reference)
+                let terminals = terminals_of(reference);
+                (BoardFile::default_for(&terminals.inputs, &terminals.outputs), String::new(), reference)
             }
         };
+        board.bind_modules(&module_terminals(reference, &modules::configured(&case.settings.modules)))?;
         let of_board = self.board_guards.iter().filter(|guards| guards.file().name == board.name);
         let guards = self.suites.iter().chain(of_board).cloned().collect();
         let mut sources = self.sources(&case.program);
