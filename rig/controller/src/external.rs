@@ -30,6 +30,13 @@ pub enum Disturbance {
     },
     /// The controller itself is in error (controller:ERR-01, controller:WD-14).
     InternalError(InternalError),
+    /// A module on the expansion bus does not answer (io:ERR-01).
+    SilentModule {
+        /// Its index in TM3_MODULE_R.
+        index: usize,
+        /// For so many exchanges; none until it is said to answer again, which is 0.
+        exchanges: Option<u32>,
+    },
 }
 
 /// What goes wrong inside the controller.
@@ -51,6 +58,7 @@ pub enum InternalError {
 pub const FAULT_BITS: &[u8] = &[0, 1, 2, 3, 6, 9, 10, 11, 12, 13];
 
 const TM4_BIT: u8 = 9;
+const BUS_BITS: u64 = 0b11;
 
 /// The errors of parts outside of the controller.
 #[derive(Clone, Copy, Debug, Default)]
@@ -66,9 +74,9 @@ impl ExternalErrors {
         }
     }
 
-    /// PLC_R.i_lwSystemFault_1: a 0 for every part in error.
-    pub(crate) const fn word(self) -> u64 {
-        !self.faults
+    /// PLC_R.i_lwSystemFault_1: a 0 for every part in error. Bits 0 and 1 are of the expansion bus (io:ERR-02).
+    pub(crate) const fn word(self, is_bus_in_error: bool) -> u64 {
+        !(self.faults | if is_bus_in_error { BUS_BITS } else { 0 })
     }
 
     /// Whether any part is in error.

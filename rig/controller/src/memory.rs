@@ -152,6 +152,13 @@ impl Memory {
         std::mem::replace(byte, new) != new
     }
 
+    /// Sets these bits of a byte of %Q to 0; whether any changed.
+    pub(crate) fn clear_output_bits(&mut self, at: usize, mask: u8) -> bool {
+        let Some(byte) = self.outputs.bytes_mut().get_mut(at) else { return false };
+        let new = *byte & !mask;
+        std::mem::replace(byte, new) != new
+    }
+
     /// A byte of %Q.
     #[inline]
     pub(crate) fn output_byte(&self, at: usize) -> u8 {

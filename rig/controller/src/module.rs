@@ -265,7 +265,7 @@ impl Modules {
     /// When something happens in one of them by itself.
     #[inline]
     pub(crate) fn next(&self) -> Time {
-        self.others().map(|module| module.next()).min().unwrap_or(Time::MAX)
+        self.others().map(|module| module.next()).min().unwrap_or(Time::MAX).min(self.bus.next())
     }
 
     /// The status of the first of them that is not as it should be (controller:SYS-06). None is configured without an
@@ -273,6 +273,9 @@ impl Modules {
     pub(crate) fn status(&self, state: State) -> IoStatus {
         if state == State::Empty && !self.list.is_empty() {
             return IoStatus::NotInitialised;
+        }
+        if self.bus.is_in_error() {
+            return IoStatus::BusError;
         }
         let wrong = self.list.iter().map(|module| module.status()).find(|status| *status != IoStatus::Ok);
         wrong.unwrap_or(IoStatus::Ok)

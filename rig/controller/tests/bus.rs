@@ -2,7 +2,8 @@
 
 use crate::support::*;
 use profile::{
-    ConfiguredModule, DigitalInputs, DigitalOutputs, IoChannel, ModuleFamily, ModuleKind, ModuleType, Profile,
+    ConfiguredModule, DigitalInputs, DigitalOutputs, IoChannel, IoStatus, ModuleFamily, ModuleKind,
+    ModuleState, ModuleType, Profile,
 };
 use scanrig_controller::*;
 use signal::{Span, Value};
@@ -162,4 +163,120 @@ fn what_cannot_be_configured_is_refused() {
         check(vec![module(), ConfiguredModule::new(counter)]),
         Err(ConfigError::NoModuleModel { place: 1 })
     );
+}
+
+/// MAST copies the first input of each of two modules to its first output, and I0 to Q0.
+fn copies() -> Script {
+    let copy = |from, to| (1_000, Act::Copy(at(from), at(to)));
+    Script::new(vec![vec![copy("%IX4.0", "%QX4.0"), copy("%IX6.0", "%QX6.0"), copy("%IX0.0", "%QX0.0")]])
+}
+
+/// A rig of two modules in RUNNING for 100 ms whose inputs are on.
+fn two_modules(profile: Profile) -> Rig {
+    let mut config = Config::new(profile);
+    config.tasks = vec![task("MAST", 15, ms(20))];
+    config.modules = vec![module(), module()];
+    let mut rig = Rig::running(config, copies());
+    rig.plc.input(rig.now, input(1, 0), Value::Bool(true));
+    rig.plc.input(rig.now, input(2, 0), Value::Bool(true));
+    rig.to(run_at(ms(101)));
+    rig
+}
+
+fn silence(rig: &mut Rig, index: usize, exchanges: Option<u32>) {
+    let mut fx = Effects::new();
+    rig.plc.disturb(rig.now, Disturbance::SilentModule { index, exchanges }, &mut fx);
+    rig.fx = fx;
+}
+
+fn states(rig: &Rig) -> [ModuleState; 3] {
+    [0, 1, 2].map(|index| rig.plc.module_state(index))
+}
+
+const EMPTY: ModuleState = ModuleState::Empty;
+const OK: ModuleState = ModuleState::Ok;
+const BUS_ERROR: ModuleState = ModuleState::BusError;
+
+/// The bits of TM3 in PLC_R.i_lwSystemFault_1, the status of the expansion modules, and the indicator I/O.
+fn shown(rig: &Rig) -> (u64, u64, bool) {
+    let word = |variable| rig.plc.read(&Probe::System(variable)).as_int().unwrap() as u64;
+    let lit = rig.plc.read(&Probe::LedLit(Led::Io)) == Value::Bool(true);
+    (word(SystemVariable::SystemFault1) & 3, word(SystemVariable::IoStatus2), lit)
+}
+
+// io:ERR-03: one failed exchange is no error, two in a row are; a good one between them counts from the beginning again.
+#[test]
+fn two_failures_in_a_row_are_an_error() {
+    for (exchanges, error) in [(1, false), (2, true)] {
+        let mut rig = two_modules(Profile::M241_2019);
+        silence(&mut rig, 1, Some(exchanges));
+        rig.to(run_at(ms(139)));
+        assert_eq!(states(&rig), [OK, OK, EMPTY]);
+        rig.to(run_at(ms(141)));
+        assert_eq!(states(&rig)[1], if error { BUS_ERROR } else { OK }, "{exchanges}");
+        silence(&mut rig, 1, Some(1));
+        rig.to(run_at(ms(201)));
+        assert_eq!(states(&rig)[1], if error { BUS_ERROR } else { OK }, "{exchanges}");
+    }
+}
+
+// io:ERR-02, io:ERR-04, io:ERR-06, io:ERR-08, io:ERR-18
+#[test]
+fn active_handling_switches_the_bus_off() {
+    let mut rig = two_modules(Profile::M241_2019);
+    assert_eq!(shown(&rig), (3, u64::from(IoStatus::Ok.code()), false));
+    silence(&mut rig, 1, None);
+    rig.to(run_at(ms(139)));
+    assert_eq!((rig.memory("%QX4.0"), edges(&rig, 1, 0).len()), (1, 1));
+    rig.to(run_at(ms(150)));
+    assert_eq!((states(&rig), rig.plc.state()), ([OK, BUS_ERROR, EMPTY], State::Running));
+    assert_eq!(shown(&rig), (0, u64::from(IoStatus::BusError.code()), true));
+    // The healthy module, too: its output is 0 in the memory and at the terminal, and its input reads 0.
+    assert_eq!((rig.memory("%QX4.0"), rig.memory("%IX4.0")), (0, 0));
+    assert_eq!(edges(&rig, 1, 0).last(), Some(&(us(140_000 + OUTPUT_DELAY), Value::Bool(false))));
+    assert_eq!(edges(&rig, 2, 0).last(), Some(&(us(140_000 + OUTPUT_DELAY), Value::Bool(false))));
+    // Embedded inputs and outputs go on, and the cause alone brings nothing back.
+    silence(&mut rig, 1, Some(0));
+    rig.plc.input(rig.now, Terminal::input(0), Value::Bool(true));
+    rig.after(ms(200));
+    assert_eq!((rig.memory("%QX0.0"), rig.memory("%QX4.0"), states(&rig)[1]), (1, 0, BUS_ERROR));
+}
+
+// io:ERR-07
+#[test]
+fn what_starts_the_bus_again() {
+    for cause_gone in [true, false] {
+        let mut rig = two_modules(Profile::M241_2019);
+        silence(&mut rig, 1, None);
+        rig.after(ms(100));
+        if cause_gone {
+            silence(&mut rig, 1, Some(0));
+        }
+        rig.command(Command::ResetWarm).unwrap();
+        rig.command(Command::Run).unwrap();
+        rig.after(ms(100));
+        let expected = if cause_gone { (1, OK, 3) } else { (0, BUS_ERROR, 0) };
+        assert_eq!((rig.memory("%QX4.0"), states(&rig)[1], shown(&rig).0), expected, "{cause_gone}");
+    }
+}
+
+// io:ERR-09, io:ERR-10, io:ERR-13, io:ERR-14: the controller of 2014 goes on with the others.
+#[test]
+fn passive_handling_goes_on_with_the_others() {
+    let mut rig = two_modules(Profile::M241_2014);
+    silence(&mut rig, 1, None);
+    rig.to(run_at(ms(150)));
+    assert_eq!((states(&rig), shown(&rig).0), ([OK, BUS_ERROR, EMPTY], 0));
+    rig.plc.input(rig.now, input(1, 0), Value::Bool(false));
+    rig.plc.input(rig.now, input(2, 0), Value::Bool(false));
+    rig.to(run_at(ms(10_119)));
+    // The input of the silent module is as it was last read, its terminal keeps what it had.
+    assert_eq!((rig.memory("%QX4.0"), rig.memory("%IX6.0"), rig.memory("%QX6.0")), (0, 1, 1));
+    assert_eq!(edges(&rig, 2, 0).len(), 1);
+    rig.to(run_at(ms(10_130)));
+    // 10 s after the first exchange that failed.
+    assert_eq!(edges(&rig, 2, 0).last(), Some(&(us(10_120_000 + OUTPUT_DELAY), Value::Bool(false))));
+    silence(&mut rig, 1, Some(0));
+    rig.after(ms(100));
+    assert_eq!((states(&rig)[1], rig.memory("%IX6.0"), shown(&rig).0), (OK, 0, 3));
 }

@@ -137,4 +137,8 @@ impl BusModule for DigitalModule {
         }
         self.outputs.drive(now, ChannelSet::from_image(word), ChannelSet::ALL, memory);
     }
+
+    fn clear(&mut self, now: Time) {
+        self.outputs.command(now, ChannelSet::EMPTY, ChannelSet::ALL);
+    }
 }

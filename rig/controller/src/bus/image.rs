@@ -38,6 +38,12 @@ impl SharedBytes {
         }
         shared
     }
+
+    /// Sets their %Q to 0; whether that changed.
+    pub(super) fn clear_outputs(&self, memory: &mut Memory) -> bool {
+        let clear = |(at, mask): &(usize, u8)| memory.clear_output_bits(*at, *mask);
+        self.outputs.iter().map(clear).fold(false, |any, changed| any | changed)
+    }
 }
 
 /// What the bus cycle last read, and what it writes next. Places are those of %I and %Q.

@@ -3,8 +3,13 @@
 //! The bus cycle task alone exchanges with the modules, all of them at one instant: their inputs as its cycle begins, their
 //! outputs as it ends. Every task reads and writes a virtual image in between (io:BUS-09, controller:PRIO-06,
 //! controller:PRIO-07). In STOPPED and HALT each update of inputs and outputs is such a cycle (controller:STOP-04).
+//!
+//! A module that fails two exchanges in a row is an error of the bus (io:ERR-03). Under active handling the bus then goes off
+//! until something starts it again (io:ERR-06, io:ERR-07); under passive handling, which is that of 2014, the exchange with the
+//! others goes on (io:ERR-09).
 
 mod digital;
+mod exchange;
 mod image;
 mod start;
 
@@ -14,8 +19,9 @@ use crate::config::Config;
 use crate::memory::Memory;
 use crate::module::{IoModule, Sharing};
 use digital::DigitalModule;
+use exchange::Exchange;
 use image::{SharedBytes, VirtualImage};
-use profile::{ModuleKind, ModuleType, module_indices};
+use profile::{ModuleFamily, ModuleKind, ModuleState, ModuleType, Profile, module_indices};
 use signal::{Image, Time};
 
 /// A module as the bus sees it.
@@ -25,6 +31,20 @@ pub(crate) trait BusModule: IoModule {
 
     /// Its outputs in the virtual image of %Q -> their stages at `now`. The memory knows who wrote them last.
     fn write(&mut self, now: Time, outputs: &Image, memory: &Memory);
+
+    /// Its outputs are switched to 0 at `now`, by the module itself.
+    fn clear(&mut self, now: Time);
+}
+
+/// A configured module on the bus.
+#[derive(Debug)]
+struct Position {
+    /// Its index in TM3_MODULE_R (io:BUS-05).
+    index: usize,
+    /// It may be missing (io:OPT-01).
+    optional: bool,
+    module: Box<dyn BusModule>,
+    exchange: Exchange,
 }
 
 /// Whether there is a model of such a module.
@@ -36,7 +56,7 @@ pub fn is_module_modelled(module: &ModuleType) -> bool {
 #[derive(Debug)]
 pub(crate) struct ExpansionBus {
     /// In the order of the configuration.
-    modules: Vec<Box<dyn BusModule>>,
+    positions: Vec<Position>,
     image: VirtualImage,
     /// What each task exchanges with the virtual image, by rank.
     shared: Vec<SharedBytes>,
@@ -44,53 +64,98 @@ pub(crate) struct ExpansionBus {
     all: SharedBytes,
     /// Rank of the bus cycle task.
     bus_cycle: Option<usize>,
+    /// Errors switch the bus off (io:ERR-06).
+    active: bool,
+    /// Nothing is exchanged until the bus is started again.
+    is_off: bool,
 }
 
 impl ExpansionBus {
     /// The bus of a configuration that was found right; `first` is the number of the first module on it.
     pub(crate) fn new(config: &Config, first: usize) -> ExpansionBus {
-        let on_bus = module_indices(&config.modules);
+        let indices = module_indices(&config.modules);
         let places = config.reference.module_addresses(&config.modules).unwrap_or_default();
-        let configured = config.modules.iter().zip(places).zip(on_bus).filter(|(_, index)| index.is_some());
-        let modules: Vec<Box<dyn BusModule>> = configured
-            .enumerate()
-            .map(|(place, ((configured, addresses), _))| {
-                let module =
-                    DigitalModule::new(first + place, configured.module, &addresses, config.worst_case);
-                Box::new(module) as Box<dyn BusModule>
+        let configured = config.modules.iter().zip(places).zip(indices);
+        let on_bus = configured.filter_map(|(one, index)| Some((one, index?))).enumerate();
+        let positions: Vec<Position> = on_bus
+            .map(|(place, ((configured, addresses), index))| Position {
+                index,
+                optional: configured.optional,
+                module: Box::new(DigitalModule::new(
+                    first + place,
+                    configured.module,
+                    &addresses,
+                    config.worst_case,
+                )),
+                exchange: Exchange::new(configured.module.family == ModuleFamily::Tm3),
             })
             .collect();
-        let all = SharedBytes::of(modules.iter().flat_map(|module| module.channels()), |_| true);
+        let all = SharedBytes::of(positions.iter().flat_map(|it| it.module.channels()), |_| true);
         ExpansionBus {
-            modules,
+            positions,
             image: VirtualImage::new(config.profile),
             shared: Vec::new(),
             all,
             bus_cycle: None,
+            active: config.profile != Profile::M241_2014,
+            is_off: false,
         }
     }
 
     /// Its modules, in the order of the configuration.
     pub(crate) fn modules(&self) -> impl Iterator<Item = &dyn IoModule> {
-        self.modules.iter().map(|module| &**module as &dyn IoModule)
+        self.positions.iter().map(|it| &*it.module as &dyn IoModule)
     }
 
     /// The same, to be changed.
     pub(crate) fn modules_mut(&mut self) -> impl Iterator<Item = &mut dyn IoModule> {
-        self.modules.iter_mut().map(|module| &mut **module as &mut dyn IoModule)
+        self.positions.iter_mut().map(|it| &mut *it.module as &mut dyn IoModule)
     }
 
     /// Learns which task of a new application uses which channels.
     pub(crate) fn share(&mut self, sharing: &Sharing<'_>) {
-        let channels = || self.modules.iter().flat_map(|module| module.channels());
+        let channels = || self.positions.iter().flat_map(|it| it.module.channels());
         let of = |rank| SharedBytes::of(channels(), |address| sharing.exchanges(rank, address));
         self.shared = (0..sharing.tasks()).map(of).collect();
         self.bus_cycle = sharing.bus_cycle();
     }
 
+    /// The bus starts with an application: after a boot, a download or a reset (io:OPT-02, io:ERR-07). A mandatory module that does
+    /// not answer keeps it off.
+    pub(crate) fn start(&mut self, now: Time) {
+        let mut starts = true;
+        for position in &mut self.positions {
+            position.exchange.start(now, position.optional);
+            starts &= position.exchange.state() != ModuleState::BusError;
+        }
+        self.is_off = self.active && !starts;
+    }
+
     /// There is no application any more: what is in the virtual image is of nobody.
     pub(crate) fn unload(&mut self) {
         self.image.clear();
+        self.is_off = false;
+        for position in &mut self.positions {
+            position.exchange.stop();
+        }
+    }
+
+    /// The module of this index of TM3_MODULE_R is silent from now on, for so many exchanges or until it is told otherwise; with
+    /// 0 it answers again. Whether there is one.
+    pub(crate) fn silence(&mut self, index: usize, exchanges: Option<u32>) -> bool {
+        let found = self.positions.iter_mut().find(|position| position.index == index);
+        found.map(|position| position.exchange.silence(exchanges)).is_some()
+    }
+
+    /// The state of the module of this index of TM3_MODULE_R (io:DIAG-01).
+    pub(crate) fn state(&self, index: usize) -> ModuleState {
+        let found = self.positions.iter().find(|position| position.index == index);
+        found.map_or(ModuleState::Empty, |position| position.exchange.state())
+    }
+
+    /// Whether a module is in error (io:ERR-02).
+    pub(crate) fn is_in_error(&self) -> bool {
+        self.positions.iter().any(|position| position.exchange.state() == ModuleState::BusError)
     }
 
     /// Whether the cycle of this rank, or an update without one, exchanges with the modules.
@@ -99,38 +164,69 @@ impl ExpansionBus {
         rank.is_none() || rank == self.bus_cycle
     }
 
-    #[inline]
-    fn shared(&self, rank: Option<usize>) -> &SharedBytes {
-        rank.and_then(|rank| self.shared.get(rank)).unwrap_or(&self.all)
-    }
-
     /// A cycle begins: the inputs of the modules -> virtual image, if it is the bus cycle; virtual image -> %I, as far as the task
     /// uses it. Whether %I changed.
     #[inline]
     pub(crate) fn begin_cycle(&mut self, now: Time, rank: Option<usize>, memory: &mut Memory) -> bool {
-        if self.modules.is_empty() {
+        if self.positions.is_empty() {
             return false;
         }
-        if self.is_bus_cycle(rank) {
-            for module in &mut self.modules {
-                module.read(now, &mut self.image.inputs);
+        if self.is_bus_cycle(rank) && !self.is_off {
+            for Position { module, exchange, .. } in &mut self.positions {
+                if exchange.succeeds(now) {
+                    module.read(now, &mut self.image.inputs);
+                }
+            }
+            if self.active && self.is_in_error() {
+                self.switch_off(now);
             }
         }
-        self.image.to_inputs(self.shared(rank), memory)
+        let shared = rank.and_then(|rank| self.shared.get(rank)).unwrap_or(&self.all);
+        self.image.to_inputs(if self.is_off { &self.all } else { shared }, memory)
     }
 
     /// A cycle ends: %Q -> virtual image, as far as the task writes it; virtual image -> outputs of the modules, if it is the bus
-    /// cycle.
+    /// cycle. Whether %Q changed: while the bus is off, that of all modules is 0 (io:ERR-06).
     #[inline]
-    pub(crate) fn end_cycle(&mut self, now: Time, rank: Option<usize>, memory: &Memory) {
-        if self.modules.is_empty() {
-            return;
+    pub(crate) fn end_cycle(&mut self, now: Time, rank: Option<usize>, memory: &mut Memory) -> bool {
+        if self.positions.is_empty() {
+            return false;
+        }
+        if self.is_off {
+            return self.all.clear_outputs(memory);
         }
         let shared = rank.and_then(|rank| self.shared.get(rank)).unwrap_or(&self.all);
         self.image.take_outputs(shared, memory);
         if self.is_bus_cycle(rank) {
-            for module in &mut self.modules {
-                module.write(now, &self.image.outputs, memory);
+            for Position { module, exchange, .. } in &mut self.positions {
+                if exchange.answers() {
+                    module.write(now, &self.image.outputs, memory);
+                }
+            }
+        }
+        false
+    }
+
+    /// All outputs and both images are 0 until the bus is started again (io:ERR-06).
+    fn switch_off(&mut self, now: Time) {
+        self.is_off = true;
+        self.image.clear();
+        for position in &mut self.positions {
+            position.module.clear(now);
+        }
+    }
+
+    /// When the outputs of a silent module switch themselves off; [`Time::MAX`] for never.
+    pub(crate) fn next(&self) -> Time {
+        self.positions.iter().map(|position| position.exchange.outputs_off()).min().unwrap_or(Time::MAX)
+    }
+
+    /// What is due at `now` happens.
+    pub(crate) fn fire(&mut self, now: Time) {
+        for Position { module, exchange, .. } in &mut self.positions {
+            if exchange.outputs_off() <= now {
+                exchange.switched_off();
+                module.clear(now);
             }
         }
     }

@@ -18,6 +18,9 @@ impl Controller {
             Disturbance::IoSupply(on) => self.io.supply(on),
             Disturbance::ExternalError { bit, on } => self.external.set(bit, on),
             Disturbance::InternalError(error) => self.fail(now, error, fx),
+            Disturbance::SilentModule { index, exchanges } => {
+                self.modules.bus.silence(index, exchanges);
+            }
         }
         self.protect(now, fx);
         self.observe(class::STATE | class::TERMINAL, now, Cause::Board, fx);
@@ -25,7 +28,10 @@ impl Controller {
 
     /// Whether an error outside of the controller is detected (controller:STATE-01, io:OUT-11).
     pub(super) fn external_error(&self) -> bool {
-        self.external.is_any() || self.io.has_fault() || !self.io.is_supplied()
+        self.external.is_any()
+            || self.io.has_fault()
+            || !self.io.is_supplied()
+            || self.modules.bus.is_in_error()
     }
 
     /// PLC_R.i_wLocalIOStatus of an M241 (io:OUT-12); none without embedded inputs and outputs.
@@ -33,6 +39,7 @@ impl Controller {
         (self.config.reference.output_count() > 0).then(|| match self.state {
             // Nothing is configured without an application.
             State::Empty => IoStatus::NotInitialised,
+            _ if self.modules.bus.is_in_error() => IoStatus::BusError,
             _ => self.io.status(),
         })
     }

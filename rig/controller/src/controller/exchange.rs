@@ -8,7 +8,7 @@ use super::Controller;
 use crate::module::{ExchangeCycle, Sharing, Written, fire};
 use crate::probes::class;
 use crate::{Effects, ModuleChannel, Terminal};
-use profile::IoChannel;
+use profile::{IoChannel, ModuleState};
 use signal::{Address, Cause, Time, Value};
 
 impl Controller {
@@ -19,6 +19,11 @@ impl Controller {
         if let Some(module) = self.modules.all(&mut self.io).nth(terminal.module) {
             module.set_input(now, input, value);
         }
+    }
+
+    /// The state of the expansion module of this index of TM3_MODULE_R (io:DIAG-01).
+    pub fn module_state(&self, index: usize) -> ModuleState {
+        self.modules.bus.state(index)
     }
 
     /// The terminal at a place of %I or %Q: a bit of a digital channel, a word of an analogue one.
@@ -82,7 +87,11 @@ impl Controller {
         for module in self.modules.exchanged(&mut self.io) {
             changed |= module.sample(at, ExchangeCycle { rank, mast }, &mut self.memory);
         }
+        let was_in_error = self.modules.bus.is_in_error();
         changed |= self.modules.bus.begin_cycle(at, rank, &mut self.memory);
+        if self.modules.bus.is_in_error() != was_in_error {
+            self.observe(class::STATE | class::LED, at, Cause::Board, fx);
+        }
         if changed {
             self.observe(class::MEMORY, at, Cause::Board, fx);
         }
@@ -99,13 +108,14 @@ impl Controller {
             written.image_changed |= it.image_changed;
             written.stages_changed |= it.stages_changed;
         }
-        self.modules.bus.end_cycle(at, rank, &self.memory);
+        written.image_changed |= self.modules.bus.end_cycle(at, rank, &mut self.memory);
         self.observe_written(written, at, fx);
     }
 
     /// The changes of outputs that are due at `now` come out.
     pub(super) fn fire_outputs(&mut self, now: Time, fx: &mut Effects) {
         let mut any = false;
+        self.modules.bus.fire(now);
         for (number, module) in self.modules.all(&mut self.io).enumerate() {
             any |= fire(number, module, now, fx);
         }

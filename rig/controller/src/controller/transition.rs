@@ -140,6 +140,7 @@ impl Controller {
         fx: &mut Effects,
     ) {
         self.ports.note_restart(now);
+        self.modules.bus.start(now);
         if state == State::Stopped {
             // In RUNNING forcing waits for the outputs' tasks (controller:FRC-05).
             self.io.act_forcing(None);
