@@ -1,4 +1,4 @@
-//! `short-circuit`, `over-temperature`, `supply-io` and `external-error`: what goes wrong around the controller;
+//! `short-circuit`, `over-temperature`, `supply-io`, `external-error` and `module-fault`: what goes wrong around the controller;
 //! `internal-error`: what goes wrong in it.
 
 use document::{Findings, KeySpec, KeyType, Node};
@@ -7,6 +7,7 @@ use signal::{Address, Area, Span};
 use super::drive::above_zero;
 use super::{DisturbanceKind, InternalErrorKind, StepVerb, Stimulus};
 use super::{StepNames, table_fields};
+use crate::codes;
 use crate::lang::terminal;
 
 const OUTPUT_KEYS: &[KeySpec] = &[
@@ -60,6 +61,25 @@ pub(super) const EXTERNAL_ERROR: StepVerb = StepVerb {
     read: read_external,
 };
 
+const MODULE_KEYS: &[KeySpec] = &[
+    KeySpec::required("index", KeyType::Integer(0, 13), "The index of the module in TM3_MODULE_R."),
+    KeySpec::required("kind", KeyType::Choice(&["silent"]), "What it does: it does not answer."),
+    KeySpec::optional(
+        "exchanges",
+        KeyType::Integer(1, 1_000_000),
+        "For how many exchanges of the bus; until it is taken back if left out.",
+    ),
+    KeySpec::optional("on", KeyType::Bool, "Whether the fault comes or goes; TRUE if left out."),
+];
+
+pub(super) const MODULE_FAULT: StepVerb = StepVerb {
+    name: "module-fault",
+    doc: "Puts a fault on an expansion module, or takes it back.",
+    value: KeyType::Table(MODULE_KEYS),
+    needs: &["faults"],
+    read: read_module,
+};
+
 const INTERNAL_ERRORS: [&str; 3] = [
     InternalErrorKind::HardwareWatchdog.name(),
     InternalErrorKind::Firmware.name(),
@@ -91,4 +111,17 @@ fn read_external(node: &Node, _: &dyn StepNames, _: &mut Findings) -> Option<Sti
     let bit = u8::try_from(fields.integer("bit")?).ok()?;
     let on = fields.boolean("on").unwrap_or(true);
     Some(Stimulus::Disturb { what: DisturbanceKind::External(bit), on, lasts: None })
+}
+
+fn read_module(node: &Node, _: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> {
+    let fields = table_fields(node, MODULE_KEYS)?;
+    let index = u8::try_from(fields.integer("index")?).ok()?;
+    let on = fields.boolean("on").unwrap_or(true);
+    let exchanges = fields.integer("exchanges").and_then(|exchanges| u32::try_from(exchanges).ok());
+    if let (false, Some(place)) = (on, fields.get("exchanges")) {
+        let help = "remove it, or remove `on = false`";
+        out.bad(codes::STIMULUS, place, "a fault that goes has no number of exchanges", help);
+        return None;
+    }
+    Some(Stimulus::Disturb { what: DisturbanceKind::SilentModule { index, exchanges }, on, lasts: None })
 }

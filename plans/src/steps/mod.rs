@@ -95,6 +95,7 @@ pub static VERBS: &[StepVerb] = &[
     drive::FORCE,
     disturb::INTERNAL_ERROR,
     control::MARK,
+    disturb::MODULE_FAULT,
     application::MULTIPLE_DOWNLOAD,
     wave::NOISE,
     debug::ONLINE_CHANGE,
@@ -168,6 +169,13 @@ pub enum DisturbanceKind {
     External(u8),
     /// The controller itself is in error.
     Internal(InternalErrorKind),
+    /// An expansion module does not answer.
+    SilentModule {
+        /// Its index in TM3_MODULE_R.
+        index: u8,
+        /// For so many exchanges; `None`: until it is taken back.
+        exchanges: Option<u32>,
+    },
 }
 
 /// What goes wrong inside the controller (controller:ERR-01, controller:WD-14).
@@ -416,6 +424,7 @@ impl Stimulus {
             Stimulus::Disturb { what: DisturbanceKind::NoIoSupply, .. } => "supply-io",
             Stimulus::Disturb { what: DisturbanceKind::External(_), .. } => "external-error",
             Stimulus::Disturb { what: DisturbanceKind::Internal(_), .. } => "internal-error",
+            Stimulus::Disturb { what: DisturbanceKind::SilentModule { .. }, .. } => "module-fault",
             Stimulus::Train(_) => "train",
             Stimulus::Wave(wave) => wave.verb(),
             Stimulus::Encoder(_) => "encoder",

@@ -121,6 +121,8 @@ pub const OPTIONAL_TWINS: &str = "R0261";
 pub const IMAGE_FULL: &str = "R0262";
 /// A module without a model.
 pub const MODULE_NOT_MODELLED: &str = "R0263";
+/// A module that is not configured.
+pub const NO_MODULE: &str = "R0264";
 /// A frame that its bus cannot carry.
 pub const FRAME_NOT_CARRIED: &str = "R0270";
 /// A port that the controller of a case lacks.
@@ -302,6 +304,7 @@ pub const CODES: &[(&str, &str)] = &[
     (OPTIONAL_TWINS, "Two optional modules that cannot be distinguished"),
     (IMAGE_FULL, "Modules that the images have no room for"),
     (MODULE_NOT_MODELLED, "A module that has no model yet"),
+    (NO_MODULE, "A module that is not configured"),
     (FRAME_NOT_CARRIED, "A frame that its bus cannot carry"),
     (PORT_MISSING, "A port that the controller of a case lacks"),
     (NO_BUS, "A bus that the plan's board does not have"),

@@ -78,6 +78,7 @@ const TABLES: &[Said] = &[
     ("plans/settings", "Settings", "key of an input", Plan, &["settings.inputs.*"]),
     ("plans/settings", "Settings", "key of a task", Plan, &["settings.mast", "settings.tasks.*"]),
     ("plans/settings", "Expert functions", "key", Plan, &["settings.expert.*"]),
+    ("plans/settings", "Expansion modules", "key", Plan, &["settings.modules.*"]),
     ("plans/signals", "Signals", "key", Plan, &["signals.*"]),
     ("plans/signals", "Recording", "key", Plan, &["signals.*"]),
     ("plans/steps", "Questions", "key", Plan, &["steps.*.ask"]),

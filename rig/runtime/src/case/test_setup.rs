@@ -3,10 +3,10 @@
 use crate::application::bundle::Bundle;
 use crate::application::coverage::Collector;
 use crate::application::functions;
-use crate::application::inputs;
 use crate::application::store::MemoryStore;
 use crate::application::tasks::Tasks;
 use crate::application::{assign, compile, notes};
+use crate::application::{inputs, modules};
 use crate::case::check::CaseOnBench;
 use crate::case::configure::{configuration, initial_state};
 use crate::codes;
@@ -25,6 +25,7 @@ use drivers::file::build;
 use plans::Case;
 use plans::plan::DelayModel;
 use plans::steps::ProgramRef;
+use profile::module_indices;
 use signal::{Time, Trace};
 use std::sync::Arc;
 
@@ -52,7 +53,10 @@ impl TestSetup {
         trace: Trace,
         exact: bool,
     ) -> Result<PreparedCase, Vec<Diagnostic>> {
+        let modules = module_indices(&modules::configured(&case.settings.modules));
+        let modules: Vec<usize> = modules.into_iter().flatten().collect();
         let mut bench = TestBench {
+            modules: &modules,
             subject: &mut *self.subject,
             board: &*self.board,
             file: &files.board,

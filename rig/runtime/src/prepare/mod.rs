@@ -46,6 +46,8 @@ pub struct TestBench<'a> {
     pub profile: Profile,
     /// The subject's reference.
     pub reference: &'static Reference,
+    /// The indices of the expansion modules that are configured.
+    pub modules: &'a [usize],
     /// The application that a download step transfers where it names none; empty where there is none.
     pub bundle: &'a [u8],
     /// The programs that steps bring, as bundles.

@@ -284,6 +284,20 @@ fn disturbance(
             InternalErrorKind::Firmware => InternalError::Firmware,
             InternalErrorKind::FirmwareException => InternalError::FirmwareException,
         }),
+        DisturbanceKind::SilentModule { index, exchanges } => {
+            let index = usize::from(index);
+            if !bench.modules.contains(&index) {
+                let known: Vec<String> = bench.modules.iter().map(usize::to_string).collect();
+                let help = match known.is_empty() {
+                    true => String::from("configure modules in `settings`"),
+                    false => format!("those with a module are {}", known.join(", ")),
+                };
+                let message = format!("no module is configured at index {index}");
+                out.error(codes::NO_MODULE, step.span.clone(), message, help);
+                return None;
+            }
+            Disturbance::SilentModule { index, exchanges: if on { exchanges } else { Some(0) } }
+        }
         DisturbanceKind::External(bit) => {
             let bits: Vec<String> = FAULT_BITS.iter().map(u8::to_string).collect();
             let help = format!("the others are {}", bits.join(", "));

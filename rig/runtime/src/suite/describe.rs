@@ -312,6 +312,12 @@ pub fn what(stimulus: &Stimulus) -> String {
                 DisturbanceKind::NoIoSupply => String::from("no supply of inputs and outputs"),
                 DisturbanceKind::External(bit) => format!("external error {bit}"),
                 DisturbanceKind::Internal(kind) => format!("internal error: {}", kind.name()),
+                DisturbanceKind::SilentModule { index, exchanges: None } => {
+                    format!("module {index} is silent")
+                }
+                DisturbanceKind::SilentModule { index, exchanges: Some(exchanges) } => {
+                    format!("module {index} is silent for {exchanges} exchanges")
+                }
             };
             match (on, lasts) {
                 (true, Some(lasts)) => format!("{what} for {lasts}"),

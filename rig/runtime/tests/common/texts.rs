@@ -137,6 +137,7 @@ impl Texts<'_> {
             ModelledController::with_modules(config, Some(program), store, None, modules).unwrap();
         model.commission(&bundle, State::Running).unwrap();
         let mut bench = TestBench {
+            modules: &[],
             subject: &mut model,
             board: &*board,
             file: &files.board,
