@@ -110,7 +110,7 @@ pub(super) fn implied_needs(steps: &[PlanStep], signals: &[SignalBinding], needs
             }
             SignalSource::Path(path) => {
                 let upper = path.to_ascii_uppercase();
-                if upper.starts_with("PLC_R.") || upper.starts_with("PLC_W.") {
+                if ["PLC_R.", "PLC_W.", "TM3_MODULE_R["].iter().any(|begin| upper.starts_with(begin)) {
                     add(Need { word: "system-variables", bound: None });
                 }
                 if upper.starts_with("LED.") || upper.starts_with("OUTPUT.Q") {

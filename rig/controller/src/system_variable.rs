@@ -1,5 +1,7 @@
 //! The system variables: a table of their names and types.
 
+use profile::MODULE_INDICES;
+
 /// Type of a system variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SystemType {
@@ -39,16 +41,22 @@ macro_rules! system_variables {
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum SystemVariable {
             $($(#[$doc])+ $variant,)+
+            /// The internal ID code of the expansion module at an index (io:DIAG-01).
+            ModuleId(u8),
+            /// The state of the expansion module at an index (io:DIAG-01, io:DIAG-03).
+            ModuleState(u8),
         }
 
-        impl SystemVariable {
-            /// Every system variable, those of a structure in its order.
-            pub const ALL: &[SystemVariable] = &[$(SystemVariable::$variant,)+];
+        /// Those that are no members of an array.
+        const SINGLE: &[SystemVariable] = &[$(SystemVariable::$variant,)+];
 
+        impl SystemVariable {
             /// The name, as in `PLC_R.i_wStatus`.
             pub const fn name(self) -> &'static str {
                 match self {
                     $(SystemVariable::$variant => $name,)+
+                    SystemVariable::ModuleId(index) => MODULE_NAMES[index as usize % MODULE_INDICES][0],
+                    SystemVariable::ModuleState(index) => MODULE_NAMES[index as usize % MODULE_INDICES][1],
                 }
             }
 
@@ -56,6 +64,7 @@ macro_rules! system_variables {
             pub const fn ty(self) -> SystemType {
                 match self {
                     $(SystemVariable::$variant => SystemType::$ty,)+
+                    SystemVariable::ModuleId(_) | SystemVariable::ModuleState(_) => SystemType::Word,
                 }
             }
         }
@@ -93,6 +102,8 @@ system_variables! {
     Clock100Ms = "PLC_R.i_x100msClk": Bool,
     /// A clock of 1 s.
     Clock1S = "PLC_R.i_x1sClk": Bool,
+    /// Whether the fitted expansion modules are the configured ones (io:DIAG-03).
+    Tm3BusState = "PLC_R.i_uiTM3BusState": Uint,
     /// How many events configured inputs raised, 0 in an M251 (plcsystem:PLCR-11).
     EventsCounter = "PLC_R.i_uiEventsCounter": Uint,
     /// Which input is the Run/Stop input: n for In, FF hex for none; 0 in an M251 (plcsystem:PLCR-11).
@@ -103,7 +114,36 @@ system_variables! {
     PlcControl = "PLC_W.q_wPLCControl": Word,
 }
 
+/// The names of the members of TM3_MODULE_R, by index.
+macro_rules! module_names {
+    ($($index:literal)+) => {
+        [$([
+            concat!("TM3_MODULE_R[", $index, "].i_wProductID"),
+            concat!("TM3_MODULE_R[", $index, "].i_wModuleState"),
+        ],)+]
+    };
+}
+
+const MODULE_NAMES: [[&str; 2]; MODULE_INDICES] = module_names!(0 1 2 3 4 5 6 7 8 9 10 11 12 13);
+
 impl SystemVariable {
+    /// Every system variable, those of a structure in its order.
+    pub const ALL: &[SystemVariable] = &{
+        let mut all = [SystemVariable::VendorId; SINGLE.len() + 2 * MODULE_INDICES];
+        let mut at = 0;
+        while at < SINGLE.len() {
+            all[at] = SINGLE[at];
+            at += 1;
+        }
+        let mut index = 0;
+        while index < MODULE_INDICES {
+            all[SINGLE.len() + 2 * index] = SystemVariable::ModuleId(index as u8);
+            all[SINGLE.len() + 2 * index + 1] = SystemVariable::ModuleState(index as u8);
+            index += 1;
+        }
+        all
+    };
+
     /// The system variable of this name, in any case of letters.
     pub fn find(name: &str) -> Option<SystemVariable> {
         SystemVariable::ALL.iter().copied().find(|variable| variable.name().eq_ignore_ascii_case(name))

@@ -21,7 +21,7 @@ use crate::module::{IoModule, Sharing};
 use digital::DigitalModule;
 use exchange::Exchange;
 use image::{SharedBytes, VirtualImage};
-use profile::{ModuleFamily, ModuleKind, ModuleState, ModuleType, Profile, module_indices};
+use profile::{ModuleFamily, ModuleKind, ModuleState, ModuleType, Profile, Tm3BusState, module_indices};
 use signal::{Image, Time};
 
 /// A module as the bus sees it.
@@ -41,6 +41,8 @@ pub(crate) trait BusModule: IoModule {
 struct Position {
     /// Its index in TM3_MODULE_R (io:BUS-05).
     index: usize,
+    /// Its internal ID code.
+    id: u8,
     /// It may be missing (io:OPT-01).
     optional: bool,
     module: Box<dyn BusModule>,
@@ -68,6 +70,10 @@ pub(crate) struct ExpansionBus {
     active: bool,
     /// Nothing is exchanged until the bus is started again.
     is_off: bool,
+    /// All mandatory modules were there when it was started last.
+    is_complete: bool,
+    /// The state of a module changed since somebody asked.
+    changed: bool,
 }
 
 impl ExpansionBus {
@@ -80,6 +86,7 @@ impl ExpansionBus {
         let positions: Vec<Position> = on_bus
             .map(|(place, ((configured, addresses), index))| Position {
                 index,
+                id: configured.module.id.unwrap_or(0),
                 optional: configured.optional,
                 module: Box::new(DigitalModule::new(
                     first + place,
@@ -99,6 +106,8 @@ impl ExpansionBus {
             bus_cycle: None,
             active: config.profile != Profile::M241_2014,
             is_off: false,
+            is_complete: true,
+            changed: false,
         }
     }
 
@@ -129,12 +138,13 @@ impl ExpansionBus {
             starts &= position.exchange.state() != ModuleState::BusError;
         }
         self.is_off = self.active && !starts;
+        (self.is_complete, self.changed) = (starts, true);
     }
 
     /// There is no application any more: what is in the virtual image is of nobody.
     pub(crate) fn unload(&mut self) {
         self.image.clear();
-        self.is_off = false;
+        (self.is_off, self.is_complete) = (false, true);
         for position in &mut self.positions {
             position.exchange.stop();
         }
@@ -151,6 +161,25 @@ impl ExpansionBus {
     pub(crate) fn state(&self, index: usize) -> ModuleState {
         let found = self.positions.iter().find(|position| position.index == index);
         found.map_or(ModuleState::Empty, |position| position.exchange.state())
+    }
+
+    /// The internal ID code of the module of this index; 0 where none was found (io:DIAG-01).
+    pub(crate) fn id(&self, index: usize) -> u8 {
+        let is_there = |it: &&Position| {
+            !matches!(it.exchange.state(), ModuleState::Empty | ModuleState::MissingOptional)
+        };
+        let found = self.positions.iter().find(|position| position.index == index);
+        found.filter(is_there).map_or(0, |position| position.id)
+    }
+
+    /// What the bus found when it was started last (io:DIAG-03).
+    pub(crate) fn start_state(&self) -> Tm3BusState {
+        if self.is_complete { Tm3BusState::Ok } else { Tm3BusState::ConfigurationError }
+    }
+
+    /// Whether the state of a module changed since this was asked last.
+    pub(crate) fn take_changed(&mut self) -> bool {
+        std::mem::take(&mut self.changed)
     }
 
     /// Whether a module is in error (io:ERR-02).
@@ -173,9 +202,11 @@ impl ExpansionBus {
         }
         if self.is_bus_cycle(rank) && !self.is_off {
             for Position { module, exchange, .. } in &mut self.positions {
+                let before = exchange.state();
                 if exchange.succeeds(now) {
                     module.read(now, &mut self.image.inputs);
                 }
+                self.changed |= exchange.state() != before;
             }
             if self.active && self.is_in_error() {
                 self.switch_off(now);

@@ -87,9 +87,8 @@ impl Controller {
         for module in self.modules.exchanged(&mut self.io) {
             changed |= module.sample(at, ExchangeCycle { rank, mast }, &mut self.memory);
         }
-        let was_in_error = self.modules.bus.is_in_error();
         changed |= self.modules.bus.begin_cycle(at, rank, &mut self.memory);
-        if self.modules.bus.is_in_error() != was_in_error {
+        if self.modules.bus.take_changed() {
             self.observe(class::STATE | class::LED, at, Cause::Board, fx);
         }
         if changed {

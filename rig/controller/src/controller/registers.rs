@@ -237,7 +237,7 @@ impl Controller {
             // None or connected: a tool is there at once (controller:SYS-06).
             Field::TerminalPort => 2 * u16::from(self.power.tool_connected),
             Field::SdCard => 0,
-            Field::Tm3Bus => 3,
+            Field::Tm3Bus => self.system_word(SystemVariable::Tm3BusState, word),
             Field::Writable(place) => self.registers.writable(place),
         }
     }

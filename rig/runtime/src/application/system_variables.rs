@@ -3,30 +3,38 @@
 
 use controller::SystemVariable;
 use document::SourceFile;
+use profile::MODULE_INDICES;
 use std::borrow::Cow;
 use std::fmt::Write;
 
 /// Name of the source that declares the structures: their list, whose name may stand before theirs (plcsystem:GVL-01).
 const NAME: &str = "PLC_GVL";
 
-/// The structures, each with what of it programs only read.
-const STRUCTURES: [(&str, &[&str]); 2] = [("PLC_R", &["PLC_R"]), ("PLC_W", &[])];
+/// The structures: first those that programs only read.
+const STRUCTURES: [&str; 3] = ["PLC_R", MODULES, "PLC_W"];
+
+/// The one that is an array, with a structure for each expansion module (io:DIAG-01).
+const MODULES: &str = "TM3_MODULE_R";
 
 /// Sources with what they mention of the system variables behind them, so that their own places stay; and the
 /// variables that they may not write. What the sources declare themselves is theirs.
 pub fn with_system(sources: &[SourceFile]) -> (Cow<'_, [SourceFile]>, &'static [&'static str]) {
     let mut text = String::new();
-    let mut read_only: &[&str] = &[];
-    for (structure, reads) in STRUCTURES {
+    let mut declared = [false; STRUCTURES.len()];
+    for (structure, declared) in STRUCTURES.into_iter().zip(&mut declared) {
         let mentioned = sources.iter().any(|source| program::mentions(&source.text, structure));
         if !mentioned || sources.iter().any(|source| program::declares(&source.text, structure)) {
             continue;
         }
         declare(structure, &mut text);
-        if !reads.is_empty() {
-            read_only = reads;
-        }
+        *declared = true;
     }
+    let read_only: &[&str] = match declared {
+        [true, true, _] => &["PLC_R", MODULES],
+        [true, false, _] => &["PLC_R"],
+        [false, true, _] => &[MODULES],
+        [false, false, _] => &[],
+    };
     if text.is_empty() {
         return (Cow::Borrowed(sources), read_only);
     }
@@ -37,16 +45,20 @@ pub fn with_system(sources: &[SourceFile]) -> (Cow<'_, [SourceFile]>, &'static [
 
 /// The type and the variable of a structure.
 fn declare(structure: &str, out: &mut String) {
+    let (first, ty) = match structure {
+        MODULES => (format!("{MODULES}[0]"), format!("ARRAY[0..{}] OF {MODULES}_STRUCT", MODULE_INDICES - 1)),
+        _ => (structure.to_owned(), format!("{structure}_STRUCT")),
+    };
     let members = SystemVariable::ALL.iter().filter_map(|variable| {
-        let name = variable.name().strip_prefix(structure)?.strip_prefix('.')?;
+        let name = variable.name().strip_prefix(first.as_str())?.strip_prefix('.')?;
         Some((name, variable.ty().name()))
     });
     // Writing to a text does not fail.
     let _ = write!(out, "TYPE {structure}_STRUCT : STRUCT ");
-    for (name, ty) in members {
-        let _ = write!(out, "{name} : {ty}; ");
+    for (name, member) in members {
+        let _ = write!(out, "{name} : {member}; ");
     }
-    let _ = writeln!(out, "END_STRUCT END_TYPE VAR_GLOBAL {structure} : {structure}_STRUCT; END_VAR");
+    let _ = writeln!(out, "END_STRUCT END_TYPE VAR_GLOBAL {structure} : {ty}; END_VAR");
 }
 
 #[cfg(test)]
@@ -72,8 +84,11 @@ mod tests {
 
     #[test]
     fn every_system_variable_has_its_type() {
-        let program =
-            compile(&source("w := PLC_R.i_wStatus; plc_w.q_wPLCControl := 1;"), Profile::default()).unwrap();
+        let program = compile(
+            &source("w := PLC_R.i_wStatus; plc_w.q_wPLCControl := tm3_module_r[1].i_wModuleState;"),
+            Profile::default(),
+        )
+        .unwrap();
         for variable in SystemVariable::ALL {
             let found = program.find(variable.name()).unwrap();
             let ty = match variable.ty() {
@@ -107,6 +122,8 @@ mod tests {
         let read_only = codes("PLC_R.i_wStatus := 1;");
         assert_eq!(read_only, ["S0401"]);
         assert_eq!(codes("PLC_R.i_wStatus.1 := TRUE;"), read_only);
+        assert_eq!(codes("TM3_MODULE_R[3].i_wModuleState := 3;"), read_only);
+        assert_eq!(codes("w := TM3_MODULE_R[14].i_wModuleState;").len(), 1);
         assert_eq!(codes("PLC_GVL.PLC_R.i_wStatus := 1;"), read_only);
         assert_eq!(codes("PLC_GVL.PLC_W.q_wPLCControl := PLC_GVL.plc_r.i_wStatus;"), Vec::<&str>::new());
         assert_eq!(codes("w := PLC_GVL.PLC_R.no_member;"), codes("w := PLC_R.no_member;"));
