@@ -110,7 +110,10 @@ pub(super) fn implied_needs(steps: &[PlanStep], signals: &[SignalBinding], needs
             }
             SignalSource::Path(path) => {
                 let upper = path.to_ascii_uppercase();
-                if ["PLC_R.", "PLC_W.", "TM3_MODULE_R["].iter().any(|begin| upper.starts_with(begin)) {
+                if ["PLC_R.", "PLC_W.", "TM3_MODULE_R[", "TM3_BUS_W."]
+                    .iter()
+                    .any(|begin| upper.starts_with(begin))
+                {
                     add(Need { word: "system-variables", bound: None });
                 }
                 if upper.starts_with("LED.") || upper.starts_with("OUTPUT.Q") {

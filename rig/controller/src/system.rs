@@ -22,6 +22,8 @@ pub(crate) struct System {
     /// PLC_W.q_wPLCControl and PLC_W.q_uiOpenPLCControl.
     pub control: u16,
     pub open: u16,
+    /// TM3_BUS_W.q_wIOBusErrPassiv and TM3_BUS_W.q_wIOBusRestart.
+    pub bus_control: (u16, u16),
     /// What came before the first cycle of MAST (controller:TASK-53).
     pub first_cycle: FirstCycle,
     /// The system variables that the application has too, by their numbers in it.
@@ -40,6 +42,7 @@ impl Default for System {
             events: 0,
             control: 0,
             open: 0,
+            bus_control: (0, 0),
             first_cycle: FirstCycle::default(),
             links: Vec::new(),
         }

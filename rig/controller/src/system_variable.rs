@@ -1,6 +1,6 @@
 //! The system variables: a table of their names and types.
 
-use profile::MODULE_INDICES;
+use profile::{MODULE_INDICES, Profile};
 
 /// Type of a system variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -36,7 +36,7 @@ impl SystemType {
 /// The table: in the order of the structures, with what a plan and a program call them.
 macro_rules! system_variables {
     ($($(#[$doc:meta])+ $variant:ident = $name:literal: $ty:ident,)+) => {
-        /// A system variable. What begins with `PLC_R.` is read, what begins with `PLC_W.` is written
+        /// A system variable. What begins with `PLC_R.` is read, what begins with `PLC_W.` or `TM3_BUS_W.` is written
         /// (controller:STATE-02, controller:SYS-01...06, controller:CMD-01).
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum SystemVariable {
@@ -112,6 +112,10 @@ system_variables! {
     OpenPlcControl = "PLC_W.q_uiOpenPLCControl": Uint,
     /// The command (controller:CMD-01).
     PlcControl = "PLC_W.q_wPLCControl": Word,
+    /// 1 for passive handling of errors on the expansion bus, 0 for active (io:ERR-05).
+    BusErrorPassive = "TM3_BUS_W.q_wIOBusErrPassiv": Word,
+    /// From 0 to 1 it restarts the expansion bus (io:ERR-16).
+    BusRestart = "TM3_BUS_W.q_wIOBusRestart": Word,
 }
 
 /// The names of the members of TM3_MODULE_R, by index.
@@ -151,6 +155,16 @@ impl SystemVariable {
 
     /// Whether programs and plans write it.
     pub fn is_written(self) -> bool {
-        self.name().starts_with("PLC_W.")
+        self.name().starts_with("PLC_W.") || self.is_of_bus()
+    }
+
+    /// Whether it is a command to the expansion bus.
+    pub const fn is_of_bus(self) -> bool {
+        matches!(self, SystemVariable::BusErrorPassive | SystemVariable::BusRestart)
+    }
+
+    /// Whether a controller of this profile has it: in 2014 nothing commands the expansion bus (plcsystem:TM3V-06).
+    pub fn exists(self, profile: Profile) -> bool {
+        !(self.is_of_bus() && profile == Profile::M241_2014)
     }
 }

@@ -6,7 +6,7 @@ use profile::{
     ModuleState, ModuleType, Profile,
 };
 use scanrig_controller::*;
-use signal::{Span, Value};
+use signal::{Cause, Span, Value};
 use std::sync::OnceLock;
 
 const INPUT_DELAY: i64 = 4_000;
@@ -279,4 +279,52 @@ fn passive_handling_goes_on_with_the_others() {
     silence(&mut rig, 1, Some(0));
     rig.after(ms(100));
     assert_eq!((states(&rig)[1], rig.memory("%IX6.0"), shown(&rig).0), (OK, 0, 3));
+}
+
+fn command(rig: &mut Rig, variable: SystemVariable, value: u64) {
+    let mut fx = Effects::new();
+    let probe = Probe::System(variable);
+    rig.plc.write(rig.now, &probe, Value::Word(value), Cause::Unknown, &mut fx).unwrap();
+}
+
+// io:ERR-09, plcsystem:TM3V-03: as the controller of 2014, by command.
+#[test]
+fn passive_handling_is_commanded() {
+    let mut rig = two_modules(Profile::M241_2019);
+    command(&mut rig, SystemVariable::BusErrorPassive, 1);
+    silence(&mut rig, 1, None);
+    rig.to(run_at(ms(200)));
+    assert_eq!((states(&rig), rig.memory("%QX4.0"), shown(&rig).0), ([OK, BUS_ERROR, EMPTY], 1, 0));
+    // Active handling again: the bus goes off with the next exchange that fails.
+    command(&mut rig, SystemVariable::BusErrorPassive, 0);
+    rig.after(ms(30));
+    assert_eq!((states(&rig), rig.memory("%QX4.0")), ([OK, BUS_ERROR, EMPTY], 0));
+    // A reset forgets the command.
+    command(&mut rig, SystemVariable::BusErrorPassive, 1);
+    rig.command(Command::ResetWarm).unwrap();
+    assert_eq!(rig.plc.read(&Probe::System(SystemVariable::BusErrorPassive)), Value::Word(0));
+}
+
+// io:ERR-16, io:ERR-17
+#[test]
+fn the_bus_restarts_by_an_edge_under_active_handling_with_the_cause_gone() {
+    for (cause_gone, passive, before, restarts) in
+        [(true, 0, 0, true), (false, 0, 0, false), (true, 1, 0, false), (true, 0, 1, false)]
+    {
+        let mut rig = two_modules(Profile::M241_2019);
+        command(&mut rig, SystemVariable::BusRestart, before);
+        silence(&mut rig, 1, None);
+        rig.to(run_at(ms(200)));
+        assert_eq!(rig.memory("%QX4.0"), 0);
+        if cause_gone {
+            silence(&mut rig, 1, Some(0));
+        }
+        command(&mut rig, SystemVariable::BusErrorPassive, passive);
+        command(&mut rig, SystemVariable::BusRestart, 1);
+        rig.after(ms(60));
+        assert_eq!(rig.plc.state(), State::Running);
+        let expected = if restarts { (1, OK, 3) } else { (0, BUS_ERROR, 0) };
+        let found = (rig.memory("%QX4.0"), states(&rig)[1], shown(&rig).0);
+        assert_eq!(found, expected, "{cause_gone} {passive} {before}");
+    }
 }

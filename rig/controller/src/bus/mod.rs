@@ -66,6 +66,8 @@ pub(crate) struct ExpansionBus {
     all: SharedBytes,
     /// Rank of the bus cycle task.
     bus_cycle: Option<usize>,
+    /// The controller of 2014: errors are handled passively, whatever is commanded (plcsystem:TM3V-06).
+    only_passive: bool,
     /// Errors switch the bus off (io:ERR-06).
     active: bool,
     /// Nothing is exchanged until the bus is started again.
@@ -104,6 +106,7 @@ impl ExpansionBus {
             shared: Vec::new(),
             all,
             bus_cycle: None,
+            only_passive: config.profile == Profile::M241_2014,
             active: config.profile != Profile::M241_2014,
             is_off: false,
             is_complete: true,
@@ -139,6 +142,18 @@ impl ExpansionBus {
         }
         self.is_off = self.active && !starts;
         (self.is_complete, self.changed) = (starts, true);
+    }
+
+    /// How errors are handled from now on. A bus that is off stays so.
+    pub(crate) fn set_passive(&mut self, passive: bool) {
+        self.active = !(passive || self.only_passive);
+    }
+
+    /// Starts the bus again under active handling with a module in error; else nothing happens (io:ERR-16, io:ERR-17).
+    pub(crate) fn restart(&mut self, now: Time) {
+        if self.active && self.is_in_error() {
+            self.start(now);
+        }
     }
 
     /// There is no application any more: what is in the virtual image is of nobody.

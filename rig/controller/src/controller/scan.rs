@@ -103,7 +103,7 @@ impl Controller {
                 SliceEnd::Touched => {
                     let (at, cause) = (self.scheduler.now(), self.memory.cause());
                     self.observe_memory(at, cause, fx);
-                    self.check_plc_w(at, fx);
+                    self.check_commands(at, fx);
                     self.observe(class::EXPERT, at, cause, fx);
                     // What a block began comes in time.
                     cap = cap.min(self.io.functions_due().max(at));

@@ -42,6 +42,8 @@ impl Controller {
             }
             SystemVariable::OpenPlcControl => u64::from(system.open),
             SystemVariable::PlcControl => u64::from(system.control),
+            SystemVariable::BusErrorPassive => u64::from(system.bus_control.0),
+            SystemVariable::BusRestart => u64::from(system.bus_control.1),
         })
     }
 

@@ -6,7 +6,7 @@ use crate::application::observable::Observable;
 use crate::application::variable_numbers::VariableNumbers;
 use controller::{Config, Led, Probe, SystemType, SystemVariable, TaskConfig};
 use expert::ExpertConfig;
-use profile::Reference;
+use profile::{Profile, Reference};
 use program::{Elementary, Program, Storage};
 use signal::{Address, ValueKind};
 use std::sync::Arc;
@@ -18,6 +18,7 @@ pub struct Catalogue {
     programs: Vec<Arc<Program>>,
     /// Numbers for variables that hold for every program; none where there is one program only, whose own numbers hold.
     names: Option<VariableNumbers>,
+    profile: Profile,
     reference: &'static Reference,
     functions: ExpertConfig,
     tasks: Vec<TaskConfig>,
@@ -29,6 +30,7 @@ impl Catalogue {
         Catalogue {
             programs: program.into_iter().collect(),
             names: Some(names),
+            profile: config.profile,
             reference: config.reference,
             functions: config.expert.clone(),
             tasks: config.tasks.clone(),
@@ -98,13 +100,19 @@ impl Catalogue {
         let variables = variables.chain(inputs::names(self.reference.input_count()));
         let variables = variables.chain(functions::names(&self.functions));
         let leds = Led::ALL.iter().flat_map(|led| ["", ".lit"].map(|end| format!("LED.{}{end}", led.name())));
-        let system = SystemVariable::ALL.iter().map(|variable| variable.name().to_owned());
+        let known = SystemVariable::ALL.iter().filter(|variable| variable.exists(self.profile));
+        let system = known.map(|variable| variable.name().to_owned());
         variables.chain(system).chain(leds).collect()
+    }
+
+    /// The system variable of this name, where a controller of the profile has it.
+    fn system_variable(&self, name: &str) -> Option<SystemVariable> {
+        SystemVariable::find(name).filter(|variable| variable.exists(self.profile))
     }
 
     /// What a name means: a system variable, an indicator, a fact of a function, an address, or a variable's path.
     pub fn observable(&self, name: &str) -> Option<Observable> {
-        if let Some(variable) = SystemVariable::find(name) {
+        if let Some(variable) = self.system_variable(name) {
             let kind = if variable.ty() == SystemType::Bool { ValueKind::Bool } else { ValueKind::Word };
             return Some(Observable { probe: Probe::System(variable), kind });
         }
@@ -158,7 +166,7 @@ impl Catalogue {
 
     /// The least and the greatest value that a whole number can have; `None` for times, real numbers and what is not known.
     pub fn bounds(&self, name: &str) -> Option<(i128, i128)> {
-        if let Some(variable) = SystemVariable::find(name) {
+        if let Some(variable) = self.system_variable(name) {
             let bits = match variable.ty() {
                 SystemType::Bool => 1,
                 SystemType::Byte => 8,

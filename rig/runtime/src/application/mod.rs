@@ -61,7 +61,7 @@ const fn halves(pair: u32) -> (u32, u32) {
 /// # Errors
 /// The findings of the compiler.
 pub fn compile(sources: &[SourceFile], profile: Profile) -> Result<Program, Vec<Diagnostic>> {
-    compile_with(sources, options(profile))
+    compile_with(sources, profile, options(profile))
 }
 
 /// The same for sources that need not have a PROGRAM: a library.
@@ -69,11 +69,15 @@ pub fn compile(sources: &[SourceFile], profile: Profile) -> Result<Program, Vec<
 /// # Errors
 /// The findings of the compiler.
 pub fn compile_library(sources: &[SourceFile], profile: Profile) -> Result<Program, Vec<Diagnostic>> {
-    compile_with(sources, Options { library: true, ..options(profile) })
+    compile_with(sources, profile, Options { library: true, ..options(profile) })
 }
 
-fn compile_with(sources: &[SourceFile], options: Options) -> Result<Program, Vec<Diagnostic>> {
-    let (sources, read_only) = with_system(sources);
+fn compile_with(
+    sources: &[SourceFile],
+    profile: Profile,
+    options: Options,
+) -> Result<Program, Vec<Diagnostic>> {
+    let (sources, read_only) = with_system(sources, profile);
     let blocks = blocks::blocks(&sources);
     program::compile(&sources, &Options { read_only, blocks, ..options })
 }

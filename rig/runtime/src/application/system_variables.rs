@@ -3,7 +3,7 @@
 
 use controller::SystemVariable;
 use document::SourceFile;
-use profile::MODULE_INDICES;
+use profile::{MODULE_INDICES, Profile};
 use std::borrow::Cow;
 use std::fmt::Write;
 
@@ -11,17 +11,26 @@ use std::fmt::Write;
 const NAME: &str = "PLC_GVL";
 
 /// The structures: first those that programs only read.
-const STRUCTURES: [&str; 3] = ["PLC_R", MODULES, "PLC_W"];
+const STRUCTURES: [&str; 4] = ["PLC_R", MODULES, "PLC_W", "TM3_BUS_W"];
 
 /// The one that is an array, with a structure for each expansion module (io:DIAG-01).
 const MODULES: &str = "TM3_MODULE_R";
 
 /// Sources with what they mention of the system variables behind them, so that their own places stay; and the
 /// variables that they may not write. What the sources declare themselves is theirs.
-pub fn with_system(sources: &[SourceFile]) -> (Cow<'_, [SourceFile]>, &'static [&'static str]) {
+///
+/// A structure that a controller of the profile does not have is not declared.
+pub fn with_system(
+    sources: &[SourceFile],
+    profile: Profile,
+) -> (Cow<'_, [SourceFile]>, &'static [&'static str]) {
     let mut text = String::new();
     let mut declared = [false; STRUCTURES.len()];
     for (structure, declared) in STRUCTURES.into_iter().zip(&mut declared) {
+        let mut members = SystemVariable::ALL.iter().filter(|known| known.name().starts_with(structure));
+        if !members.any(|known| known.exists(profile)) {
+            continue;
+        }
         let mentioned = sources.iter().any(|source| program::mentions(&source.text, structure));
         if !mentioned || sources.iter().any(|source| program::declares(&source.text, structure)) {
             continue;
@@ -30,10 +39,10 @@ pub fn with_system(sources: &[SourceFile]) -> (Cow<'_, [SourceFile]>, &'static [
         *declared = true;
     }
     let read_only: &[&str] = match declared {
-        [true, true, _] => &["PLC_R", MODULES],
-        [true, false, _] => &["PLC_R"],
-        [false, true, _] => &[MODULES],
-        [false, false, _] => &[],
+        [true, true, ..] => &["PLC_R", MODULES],
+        [true, false, ..] => &["PLC_R"],
+        [false, true, ..] => &[MODULES],
+        [false, false, ..] => &[],
     };
     if text.is_empty() {
         return (Cow::Borrowed(sources), read_only);
@@ -65,7 +74,6 @@ fn declare(structure: &str, out: &mut String) {
 mod tests {
     use super::*;
     use crate::application::compile;
-    use profile::Profile;
     use program::Elementary;
 
     fn source(statements: &str) -> [SourceFile; 1] {
@@ -85,7 +93,7 @@ mod tests {
     #[test]
     fn every_system_variable_has_its_type() {
         let program = compile(
-            &source("w := PLC_R.i_wStatus; plc_w.q_wPLCControl := tm3_module_r[1].i_wModuleState;"),
+            &source("w := PLC_R.i_wStatus; plc_w.q_wPLCControl := tm3_module_r[1].i_wModuleState; TM3_BUS_W.q_wIOBusRestart := 1;"),
             Profile::default(),
         )
         .unwrap();
@@ -107,13 +115,21 @@ mod tests {
     fn a_program_that_mentions_none_is_as_it_was() {
         for text in ["w := 1; // PLC_R", "(* PLC_W *) w := 1;", "w := 1; {PLC_R}"] {
             let sources = source(text);
-            let (all, _) = with_system(&sources);
+            let (all, _) = with_system(&sources, Profile::default());
             assert!(matches!(all, Cow::Borrowed(_)), "{text}");
         }
         let sources = source("w := PLC_R.i_wStatus;");
-        let (all, read_only) = with_system(&sources);
+        let (all, read_only) = with_system(&sources, Profile::default());
         assert_eq!((all.len(), read_only), (2, &["PLC_R"][..]));
         assert!(!all[1].text.contains("PLC_W"));
+    }
+
+    // plcsystem:TM3V-06
+    #[test]
+    fn the_controller_of_2014_has_no_commands_to_the_bus() {
+        let source = source("TM3_BUS_W.q_wIOBusErrPassiv := 1;");
+        assert!(compile(&source, Profile::M241_2014).is_err());
+        assert!(compile(&source, Profile::M241_2019).is_ok());
     }
 
     #[test]
