@@ -173,7 +173,7 @@ fn waited(
     if limit > stamp(end, off) {
         return None;
     }
-    let counts = |n: usize| rises.is_none_or(|rises| rises == (n % 2 == 0));
+    let counts = |n: usize| rises.is_none_or(|rises| rises == n.is_multiple_of(2));
     let changes = truth.line.iter().enumerate().filter(|(n, _)| counts(*n)).map(|(_, at)| stamp(*at, off));
     let came = changes.filter(|at| (began..=limit).contains(at)).min();
     let trace = stamped(end, truth, off, came);
