@@ -28,6 +28,7 @@ mod location;
 mod log;
 mod memory;
 mod module;
+mod modules;
 mod ports;
 mod power;
 mod probe;
@@ -48,14 +49,12 @@ mod terminal;
 pub use application::{
     Application, ApplicationFault, FaultClass, LoadError, Loader, Slice, SliceEnd, SystemCall, VariableReset,
 };
-pub use bus::{
-    BusStart, ConfiguredPosition, ExtraModules, PositionState, compare_modules, is_module_modelled,
-};
+pub use bus::{BusStart, ConfiguredPosition, ExtraModules, PositionState, compare_modules};
 pub use command::{Command, CommandError, DeviceReset, WriteError};
 pub use config::{
     AlwaysUpdate, BusCycle, Config, ConfigError, HaltOutputs, InputConfig, InputFault, OutputsInStop,
     Rearming, RelocationConfig, RelocationPart, RunStopFault, StartingMode, TaskConfig, TaskKind,
-    TaskWatchdog, Warning, WatchdogBasis,
+    TaskWatchdog, Warning, WatchdogBasis, is_module_modelled,
 };
 pub use controller::{Controller, FrontPanel};
 pub use effect::{Effect, Effects};

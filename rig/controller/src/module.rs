@@ -1,15 +1,13 @@
-//! What the controller asks of a module of inputs and outputs, and the list of its modules.
+//! What the controller asks of a module of inputs and outputs.
 //!
 //! A module knows neither tasks nor programs. It gets the images at the beginning and at the end of cycles, says when
 //! something happens in it by itself, and reports what its outputs do. Nothing of it allocates between two calls of
 //! [`TaskModule::share`].
 
 use crate::application::Application;
-use crate::bus::ExpansionBus;
-use crate::config::{AlwaysUpdate, Config, OutputsInStop};
+use crate::config::AlwaysUpdate;
 use crate::effect::{Effect, Effects};
 use crate::memory::Memory;
-use crate::state::State;
 use crate::terminal::Terminal;
 use profile::{IoChannel, IoStatus};
 use signal::{Address, Area, Cause, Span, Time, Value};
@@ -184,101 +182,6 @@ impl<'a> Sharing<'a> {
         let mut bits = first..first + at.bit_len();
         at.area() == Area::Output
             && bits.any(|bit| self.application.writes_output_bit(self.places[rank], bit))
-    }
-}
-
-/// The modules after the embedded I/O: those that tasks exchange, then those on the bus in the order of the configuration.
-#[derive(Debug)]
-pub(crate) struct Modules {
-    list: Vec<Box<dyn TaskModule>>,
-    /// The expansion bus.
-    pub(crate) bus: ExpansionBus,
-    /// At each update in STOPPED and HALT their outputs are set to their default values.
-    at_defaults: bool,
-}
-
-impl Modules {
-    pub(crate) fn new(config: &Config, list: Vec<Box<dyn TaskModule>>) -> Modules {
-        let bus = ExpansionBus::new(config, 1 + list.len());
-        Modules { list, bus, at_defaults: false }
-    }
-
-    /// Each module that tasks exchange, first the embedded I/O.
-    #[inline]
-    pub(crate) fn exchanged<'a>(
-        &'a mut self,
-        embedded: &'a mut dyn TaskModule,
-    ) -> impl Iterator<Item = &'a mut dyn TaskModule> {
-        std::iter::once(embedded)
-            .chain(self.list.iter_mut().map(|module| &mut **module as &mut dyn TaskModule))
-    }
-
-    /// Each module, first the embedded I/O.
-    #[inline]
-    pub(crate) fn all<'a>(
-        &'a mut self,
-        embedded: &'a mut dyn TaskModule,
-    ) -> impl Iterator<Item = &'a mut dyn IoModule> {
-        let list = self.list.iter_mut().map(|module| &mut **module as &mut dyn IoModule);
-        std::iter::once(embedded as &mut dyn IoModule).chain(list).chain(self.bus.modules_mut())
-    }
-
-    /// Each module after the embedded I/O.
-    fn others(&self) -> impl Iterator<Item = &dyn IoModule> {
-        self.list.iter().map(|module| &**module as &dyn IoModule).chain(self.bus.modules())
-    }
-
-    /// The module of a number; 0 is the embedded I/O.
-    pub(crate) fn get<'a>(&'a self, embedded: &'a dyn IoModule, module: usize) -> Option<&'a dyn IoModule> {
-        match module.checked_sub(1) {
-            None => Some(embedded),
-            Some(place) => self.others().nth(place),
-        }
-    }
-
-    /// What their outputs are set to from now on at updates in STOPPED and HALT: default values, or what is in %Q.
-    pub(crate) fn fall_back(&mut self, outputs: OutputsInStop) {
-        self.at_defaults = outputs == OutputsInStop::Default;
-    }
-
-    /// %Q of their outputs is no longer set to anything: there is another application, or none.
-    pub(crate) fn forget_fallback(&mut self) {
-        self.at_defaults = false;
-    }
-
-    /// Sets %Q of their outputs to what [`Modules::fall_back`] said; whether it changed.
-    pub(crate) fn set_stop_image(&self, memory: &mut Memory) -> bool {
-        if !self.at_defaults {
-            return false;
-        }
-        let mut changed = false;
-        for channel in self.others().flat_map(|module| module.channels()) {
-            if matches!(channel.channel, IoChannel::Output(_)) {
-                changed |= memory.load(channel.address) != channel.default;
-                memory.set_cause(Cause::Controller);
-                memory.store(channel.address, channel.default);
-            }
-        }
-        changed
-    }
-
-    /// When something happens in one of them by itself.
-    #[inline]
-    pub(crate) fn next(&self) -> Time {
-        self.others().map(|module| module.next()).min().unwrap_or(Time::MAX).min(self.bus.next())
-    }
-
-    /// The status of the first of them that is not as it should be (controller:SYS-06). None is configured without an
-    /// application.
-    pub(crate) fn status(&self, state: State) -> IoStatus {
-        if state == State::Empty && !self.list.is_empty() {
-            return IoStatus::NotInitialised;
-        }
-        if self.bus.is_in_error() {
-            return IoStatus::BusError;
-        }
-        let wrong = self.list.iter().map(|module| module.status()).find(|status| *status != IoStatus::Ok);
-        wrong.unwrap_or(IoStatus::Ok)
     }
 }
 

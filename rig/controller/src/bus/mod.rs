@@ -21,7 +21,7 @@ use crate::module::{IoModule, Sharing};
 use digital::DigitalModule;
 use exchange::Exchange;
 use image::{SharedBytes, VirtualImage};
-use profile::{ModuleFamily, ModuleKind, ModuleState, ModuleType, Profile, Tm3BusState, module_indices};
+use profile::{ModuleFamily, ModuleState, Profile, Tm3BusState, module_indices};
 use signal::{Image, Time};
 
 /// A module as the bus sees it.
@@ -47,11 +47,6 @@ struct Position {
     optional: bool,
     module: Box<dyn BusModule>,
     exchange: Exchange,
-}
-
-/// Whether there is a model of such a module.
-pub fn is_module_modelled(module: &ModuleType) -> bool {
-    module.kind.is_link() || module.is_on_bus() && module.kind == ModuleKind::Digital
 }
 
 /// The bus with the configured modules.

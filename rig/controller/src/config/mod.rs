@@ -15,10 +15,16 @@ pub use relocation::{RelocationConfig, RelocationPart};
 pub use task::{TaskConfig, TaskKind, TaskWatchdog};
 pub use warnings::Warning;
 
-use crate::bus;
 use expert::{ExpertConfig, ExpertError, InputConditions, ReservedChannels};
-use profile::{ChannelSet, ConfiguredModule, MINIMUM_CYCLE, PRIORITIES, Profile, Reference};
+use profile::{
+    ChannelSet, ConfiguredModule, MINIMUM_CYCLE, ModuleKind, ModuleType, PRIORITIES, Profile, Reference,
+};
 use signal::Span;
+
+/// Whether there is a model of such a module.
+pub fn is_module_modelled(module: &ModuleType) -> bool {
+    module.kind.is_link() || module.is_on_bus() && module.kind == ModuleKind::Digital
+}
 
 /// The configuration of a controller. The place of a task in `tasks` is its number everywhere.
 #[derive(Clone, Debug, PartialEq)]
@@ -223,7 +229,7 @@ impl Config {
     /// Whether the modules can be configured so (io: sections 9, 10 and 12).
     fn check_modules(&self) -> Result<(), ConfigError> {
         profile::check_modules(self.profile, self.reference, &self.modules).map_err(ConfigError::Module)?;
-        if let Some(place) = self.modules.iter().position(|one| !bus::is_module_modelled(one.module)) {
+        if let Some(place) = self.modules.iter().position(|one| !is_module_modelled(one.module)) {
             return Err(ConfigError::NoModuleModel { place });
         }
         self.reference.module_addresses(&self.modules).map(drop).map_err(ConfigError::ImageFull)

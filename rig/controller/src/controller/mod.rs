@@ -32,7 +32,7 @@ use crate::files::Files;
 use crate::io::EmbeddedIo;
 use crate::last_state::LastState;
 use crate::led::Leds;
-use crate::module::Modules;
+use crate::modules::Modules;
 use crate::ports::Ports;
 use crate::power::Power;
 use crate::probes::ObservedProbes;

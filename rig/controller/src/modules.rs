@@ -1,0 +1,104 @@
+//! The list of the controller's modules.
+
+use crate::bus::ExpansionBus;
+use crate::config::{Config, OutputsInStop};
+use crate::memory::Memory;
+use crate::module::{IoModule, TaskModule};
+use crate::state::State;
+use profile::{IoChannel, IoStatus};
+use signal::{Cause, Time};
+
+/// The modules after the embedded I/O: those that tasks exchange, then those on the bus in the order of the configuration.
+#[derive(Debug)]
+pub(crate) struct Modules {
+    list: Vec<Box<dyn TaskModule>>,
+    /// The expansion bus.
+    pub(crate) bus: ExpansionBus,
+    /// At each update in STOPPED and HALT their outputs are set to their default values.
+    at_defaults: bool,
+}
+
+impl Modules {
+    pub(crate) fn new(config: &Config, list: Vec<Box<dyn TaskModule>>) -> Modules {
+        let bus = ExpansionBus::new(config, 1 + list.len());
+        Modules { list, bus, at_defaults: false }
+    }
+
+    /// Each module that tasks exchange, first the embedded I/O.
+    #[inline]
+    pub(crate) fn exchanged<'a>(
+        &'a mut self,
+        embedded: &'a mut dyn TaskModule,
+    ) -> impl Iterator<Item = &'a mut dyn TaskModule> {
+        std::iter::once(embedded)
+            .chain(self.list.iter_mut().map(|module| &mut **module as &mut dyn TaskModule))
+    }
+
+    /// Each module, first the embedded I/O.
+    #[inline]
+    pub(crate) fn all<'a>(
+        &'a mut self,
+        embedded: &'a mut dyn TaskModule,
+    ) -> impl Iterator<Item = &'a mut dyn IoModule> {
+        let list = self.list.iter_mut().map(|module| &mut **module as &mut dyn IoModule);
+        std::iter::once(embedded as &mut dyn IoModule).chain(list).chain(self.bus.modules_mut())
+    }
+
+    /// Each module after the embedded I/O.
+    fn others(&self) -> impl Iterator<Item = &dyn IoModule> {
+        self.list.iter().map(|module| &**module as &dyn IoModule).chain(self.bus.modules())
+    }
+
+    /// The module of a number; 0 is the embedded I/O.
+    pub(crate) fn get<'a>(&'a self, embedded: &'a dyn IoModule, module: usize) -> Option<&'a dyn IoModule> {
+        match module.checked_sub(1) {
+            None => Some(embedded),
+            Some(place) => self.others().nth(place),
+        }
+    }
+
+    /// What their outputs are set to from now on at updates in STOPPED and HALT: default values, or what is in %Q.
+    pub(crate) fn fall_back(&mut self, outputs: OutputsInStop) {
+        self.at_defaults = outputs == OutputsInStop::Default;
+    }
+
+    /// %Q of their outputs is no longer set to anything: there is another application, or none.
+    pub(crate) fn forget_fallback(&mut self) {
+        self.at_defaults = false;
+    }
+
+    /// Sets %Q of their outputs to what [`Modules::fall_back`] said; whether it changed.
+    pub(crate) fn set_stop_image(&self, memory: &mut Memory) -> bool {
+        if !self.at_defaults {
+            return false;
+        }
+        let mut changed = false;
+        for channel in self.others().flat_map(|module| module.channels()) {
+            if matches!(channel.channel, IoChannel::Output(_)) {
+                changed |= memory.load(channel.address) != channel.default;
+                memory.set_cause(Cause::Controller);
+                memory.store(channel.address, channel.default);
+            }
+        }
+        changed
+    }
+
+    /// When something happens in one of them by itself.
+    #[inline]
+    pub(crate) fn next(&self) -> Time {
+        self.others().map(|module| module.next()).min().unwrap_or(Time::MAX).min(self.bus.next())
+    }
+
+    /// The status of the first of them that is not as it should be (controller:SYS-06). None is configured without an
+    /// application.
+    pub(crate) fn status(&self, state: State) -> IoStatus {
+        if state == State::Empty && !self.list.is_empty() {
+            return IoStatus::NotInitialised;
+        }
+        if self.bus.is_in_error() {
+            return IoStatus::BusError;
+        }
+        let wrong = self.list.iter().map(|module| module.status()).find(|status| *status != IoStatus::Ok);
+        wrong.unwrap_or(IoStatus::Ok)
+    }
+}
