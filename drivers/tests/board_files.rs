@@ -134,6 +134,51 @@ fn expected(text: &str) -> Vec<String> {
     text.lines().map_while(|line| line.strip_prefix("# expect ")).map(str::to_owned).collect()
 }
 
+/// A real board with these channels.
+fn channels(text: &str, subject: &str) -> BoardFile {
+    let text = format!(
+        "format = 1\n[board]\nkind = \"real\"\n{subject}\n[channels]\n{text}\n[chips]\nmain = {{ label = \"chip\" }}\n\
+         [generators]\ng = {{ kind = \"spi\", path = \"/dev/spidev0.0\" }}\n"
+    );
+    read(&SourceFile::new("b.toml", text), &terminals).unwrap_or_else(|found| panic!("{found:#?}"))
+}
+
+#[test]
+fn one_duration_of_an_input_delay_is_the_greatest() {
+    for (written, least, most) in [
+        ("18 us", 0, 18),
+        ("2 us .. 18 us", 2, 18),
+        (".. 18 us", 0, 18),
+        ("18 us .. 18 us", 18, 18),
+        ("5 us ± 1 us", 4, 6),
+        // A tolerance does not reach below 0.
+        ("5 us ± 8 us", 0, 13),
+    ] {
+        let file =
+            channels(&format!("I0 = {{ kind = \"digital\", line = 1, input-delay = \"{written}\" }}"), "");
+        let us = Span::from_micros;
+        assert_eq!(file.delays[0].before, (us(least), us(most)), "{written}");
+    }
+}
+
+#[test]
+fn an_output_of_a_generator_has_the_delay_of_an_output() {
+    let text = "I0 = { kind = \"digital\", generator = \"g\", output-delay = \"5 us\" }";
+    let file = channels(text, "[subject]\nkind = \"external\"");
+    let zero = Span::ZERO;
+    assert_eq!((file.delays[0].before, file.delays[0].after), ((zero, zero), Span::from_micros(5)));
+}
+
+#[test]
+fn a_clock_that_is_right_needs_no_unit() {
+    for written in ["0", "0.0", "\"0\"", "\"0 ppm\""] {
+        let text = format!("format = 1\n[board]\nkind = \"simulated\"\nclock-error = {written}\n");
+        let file =
+            read(&SourceFile::new("b.toml", text), &terminals).unwrap_or_else(|found| panic!("{found:#?}"));
+        assert!(file.clock.error.is_none(), "{written}");
+    }
+}
+
 #[test]
 fn broken_files_are_refused_where_they_are_broken() {
     let mut paths: Vec<PathBuf> =

@@ -1,6 +1,6 @@
 //! How far a clock may be off, as board files and instrument files say it: one reader for both.
 
-use document::{Fields, Findings, Node};
+use document::{Data, Fields, Findings, Node};
 use signal::{ClockError, Coverage, Quantity, Unit};
 
 use super::accuracy::{AccuracyCodes, coverage};
@@ -19,14 +19,15 @@ const CODES: AccuracyCodes = AccuracyCodes { unit: codes::CLOCK, figure: codes::
 
 /// What the table `board` says of the clock. What is wrong with it is reported.
 pub(super) fn of_board(board: &Fields, out: &mut Findings) -> BoardClock {
-    let error = of_device(board, out);
+    let read = board.get("clock-error").map(|node| clock_error(node, codes::CLOCK, out));
     let covered = board.get("clock-coverage");
-    if let Some(node) = covered.filter(|_| !board.has("clock-error")) {
+    let is_right = read.is_none_or(|error| error == Some(ClockError::NONE));
+    if let Some(node) = covered.filter(|_| is_right) {
         let help = "add `clock-error`, as in clock-error = \"25 ppm\", or remove it";
         out.bad(codes::CLOCK, node, "no error of a clock is there that it covers", help);
     }
     let coverage = covered.and_then(|node| coverage(node, CODES, out)).unwrap_or_default();
-    BoardClock { error, coverage }
+    BoardClock { error: read.flatten().unwrap_or_default(), coverage }
 }
 
 /// The key `clock-error` of a device that has a clock of its own. What is wrong with it is reported.
@@ -34,8 +35,16 @@ pub(super) fn of_device(fields: &Fields, out: &mut Findings) -> ClockError {
     fields.get("clock-error").and_then(|node| clock_error(node, codes::CLOCK, out)).unwrap_or_default()
 }
 
-/// A part of the time, rounded up. `None` where it is none, which is reported under this code.
+/// A part of the time, rounded up; 0 needs no unit. `None` where it is none, which is reported under this code.
 pub fn clock_error(node: &Node, code: &'static str, out: &mut Findings) -> Option<ClockError> {
+    let is_zero = match &node.data {
+        Data::Integer(number) => *number == 0,
+        Data::Text(text) | Data::Float(text) => text.trim().parse::<f64>() == Ok(0.0),
+        _ => false,
+    };
+    if is_zero {
+        return Some(ClockError::NONE);
+    }
     let help = "write how far the rate may be off, from 0 to 10 %, as in \"25 ppm\"";
     let text = node.as_text().unwrap_or_default();
     let part = Quantity::parse(text).ok().and_then(|read| read.in_unit(&Unit::new("ppm")));

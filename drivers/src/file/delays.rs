@@ -5,7 +5,7 @@ use signal::Span;
 
 use super::bench::Bench;
 use super::codes;
-use super::devices::channels;
+use super::devices::{channels, generators};
 use crate::ChannelId;
 
 /// The keys of a channel that say so.
@@ -31,7 +31,9 @@ pub(super) fn read(fields: &Fields, bench: &Bench, out: &mut Findings) -> Vec<Ch
     for (entry, fields) in channels(fields) {
         let Some(channel) = bench.file.find(&entry.key) else { continue };
         let spec = &bench.file.circuit.channels[usize::from(channel.0)];
-        let is_read = spec.senses && (!spec.drives || fields.has("readback"));
+        // What a generator puts out the rig reports, and nobody reads.
+        let is_generated = generators::is_generated(&fields);
+        let is_read = !is_generated && spec.senses && (!spec.drives || fields.has("readback"));
         let strange = if is_read { "output-delay" } else { "input-delay" };
         if let Some(entry) = fields.entry(strange) {
             let (what, help) = match is_read {
@@ -39,6 +41,9 @@ pub(super) fn read(fields: &Fields, bench: &Bench, out: &mut Findings) -> Vec<Ch
                     "an input, or a line that is read back,",
                     "write `input-delay`: its level is what was read",
                 ),
+                false if is_generated => {
+                    ("an output of a generator", "write `output-delay`: its level is what was driven")
+                }
                 false => {
                     ("an output that nobody reads back", "write `output-delay`: its level is what was driven")
                 }
@@ -59,11 +64,15 @@ pub(super) fn read(fields: &Fields, bench: &Bench, out: &mut Findings) -> Vec<Ch
     delays
 }
 
-/// A delay, or its least and its greatest.
+/// The least and the greatest delay. One duration is the greatest, as that of an output is: nothing is known of the least.
 fn range(node: &Node, out: &mut Findings) -> Option<(Span, Span)> {
-    let read = node.as_text().and_then(|text| Span::parse_range(text).ok());
-    let Some((least, most)) = read.filter(|(least, _)| *least >= Span::ZERO) else {
-        let help = "write the least and the greatest delay, as in \"2 us .. 18 us\"";
+    let read = node.as_text().and_then(|text| match Span::parse(text) {
+        Ok(most) => (!most.is_negative()).then_some((Span::ZERO, most)),
+        Err(_) => Span::parse_range(text).ok(),
+    });
+    let Some((least, most)) = read else {
+        let help =
+            "write the greatest delay, or the least, at least 0, and the greatest, as in \"2 us .. 18 us\"";
         out.bad(codes::DELAY, node, "this is no delay", help);
         return None;
     };

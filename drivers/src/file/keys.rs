@@ -232,7 +232,7 @@ pub(super) const CHANNEL: &[KeySpec] = &[
     KeySpec::optional(
         "input-delay",
         KeyType::Range,
-        "How much later than its terminal its line changes, at least and at most, as in \"2 us .. 18 us\"; 0",
+        "How much later than its terminal its line changes, at least and at most, as in \"2 us .. 18 us\", or at most alone; 0",
     ),
     KeySpec::optional(
         "output-delay",

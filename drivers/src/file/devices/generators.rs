@@ -38,7 +38,7 @@ const OF_STREAM: &[&str] = &["clock-error", "mode", "lsb-first", "buffer"];
 const OF_PWM: &[&str] = &["name", "label", "shortest", "longest"];
 
 /// Whether a channel has its pulses from a generator.
-pub(super) fn is_generated(fields: &Fields) -> bool {
+pub(in crate::file) fn is_generated(fields: &Fields) -> bool {
     fields.has("generator")
 }
 

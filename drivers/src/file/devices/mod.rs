@@ -3,7 +3,7 @@
 mod adc;
 pub(super) mod can;
 pub(super) mod counter;
-mod generators;
+pub(super) mod generators;
 mod iio;
 mod lines;
 pub(super) mod serial;
