@@ -98,8 +98,8 @@ fn a_run_on_the_real_clock_stops_cleanly() {
     let judged = bench.expect(4, &["judge", "hours.toml", "out/traces/hours.trace"]);
     assert!(judged.out.contains("interrupted"), "{}", judged.out);
     let waves = bench.read("out/traces/hours.vcd");
-    let end =
-        waves.lines().find(|line| line.contains(" step:end ")).unwrap().split(' ').nth(3).unwrap().to_owned();
+    let end = waves.lines().find(|line| line.starts_with("$var") && line.contains(" step:end ")).unwrap();
+    let end = end.split(' ').nth(3).unwrap().to_owned();
     assert!(waves.lines().any(|line| line.starts_with("b0") && line.ends_with(&format!("1 {end}"))), "{end}");
 }
 

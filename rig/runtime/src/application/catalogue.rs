@@ -6,7 +6,7 @@ use crate::application::observable::Observable;
 use crate::application::variable_numbers::VariableNumbers;
 use controller::{Config, Led, Probe, SystemType, SystemVariable, TaskConfig};
 use expert::ExpertConfig;
-use profile::{Profile, Reference};
+use profile::{Profile, Reference, module_indices};
 use program::{Elementary, Program, Storage};
 use signal::{Address, ValueKind};
 use std::sync::Arc;
@@ -19,6 +19,8 @@ pub struct Catalogue {
     /// Numbers for variables that hold for every program; none where there is one program only, whose own numbers hold.
     names: Option<VariableNumbers>,
     profile: Profile,
+    /// The indices of the expansion modules that are configured.
+    modules: Vec<usize>,
     reference: &'static Reference,
     functions: ExpertConfig,
     tasks: Vec<TaskConfig>,
@@ -31,6 +33,7 @@ impl Catalogue {
             programs: program.into_iter().collect(),
             names: Some(names),
             profile: config.profile,
+            modules: module_indices(&config.modules).into_iter().flatten().collect(),
             reference: config.reference,
             functions: config.expert.clone(),
             tasks: config.tasks.clone(),
@@ -100,7 +103,15 @@ impl Catalogue {
         let variables = variables.chain(inputs::names(self.reference.input_count()));
         let variables = variables.chain(functions::names(&self.functions));
         let leds = Led::ALL.iter().flat_map(|led| ["", ".lit"].map(|end| format!("LED.{}{end}", led.name())));
-        let known = SystemVariable::ALL.iter().filter(|variable| variable.exists(self.profile));
+        // Of the expansion bus only what there is.
+        let is_there = |variable: &&SystemVariable| match **variable {
+            SystemVariable::ModuleId(index) | SystemVariable::ModuleState(index) => {
+                self.modules.contains(&usize::from(index))
+            }
+            SystemVariable::BusErrorPassive | SystemVariable::BusRestart if self.modules.is_empty() => false,
+            _ => variable.exists(self.profile),
+        };
+        let known = SystemVariable::ALL.iter().filter(is_there);
         let system = known.map(|variable| variable.name().to_owned());
         variables.chain(system).chain(leds).collect()
     }
