@@ -160,7 +160,7 @@ impl ExpansionBus {
         }
     }
 
-    /// The module of this index of TM3_MODULE_R is silent from now on, for so many exchanges or until it is told otherwise; with
+    /// The module of this index of TM3_MODULE_R is silent from now on, for so many exchanges or until another number is given; with
     /// 0 it answers again. Whether there is one.
     pub(crate) fn silence(&mut self, index: usize, exchanges: Option<u32>) -> bool {
         let found = self.positions.iter_mut().find(|position| position.index == index);
