@@ -328,3 +328,27 @@ fn the_bus_restarts_by_an_edge_under_active_handling_with_the_cause_gone() {
         assert_eq!(found, expected, "{cause_gone} {passive} {before}");
     }
 }
+
+// io:OPT-03: an optional module that was missing is neither read nor written until the bus is started again.
+#[test]
+fn a_missing_optional_module_that_comes_back_waits_for_a_start() {
+    let mut config = config();
+    config.tasks = vec![task("MAST", 15, ms(20))];
+    config.modules = vec![module(), ConfiguredModule { optional: true, ..module() }];
+    let write = Act::Store(at("%QX6.0"), 1);
+    let mut rig = Rig::running(config, Script::new(vec![vec![(1_000, write)]]));
+    let reset = |rig: &mut Rig| {
+        rig.command(Command::ResetWarm).unwrap();
+        rig.command(Command::Run).unwrap();
+        rig.after(ms(100));
+    };
+    silence(&mut rig, 1, None);
+    reset(&mut rig);
+    assert_eq!(states(&rig), [OK, ModuleState::MissingOptional, EMPTY]);
+    silence(&mut rig, 1, Some(0));
+    rig.after(ms(100));
+    let output = Probe::Terminal(Terminal { module: 2, channel: IoChannel::Output(0) });
+    assert_eq!((states(&rig)[1], rig.plc.read(&output)), (ModuleState::MissingOptional, Value::Bool(false)));
+    reset(&mut rig);
+    assert_eq!((states(&rig)[1], rig.plc.read(&output)), (OK, Value::Bool(true)));
+}

@@ -45,23 +45,22 @@ impl Exchange {
         self.failing == Some(0)
     }
 
+    /// Whether the bus writes to it: it answers, and was there when the bus was started.
+    pub(super) fn is_written(&self) -> bool {
+        self.answers() && self.state != ModuleState::MissingOptional
+    }
+
     /// The state of the module.
     pub(super) fn state(&self) -> ModuleState {
         self.state
     }
 
-    /// The bus starts at `now`: one that does not answer is missing.
-    pub(super) fn start(&mut self, now: Time, optional: bool) {
-        self.failed = 0;
-        self.outputs_off = Time::MAX;
-        self.state = match (self.answers(), optional) {
-            (true, _) => ModuleState::Ok,
-            (false, true) => ModuleState::MissingOptional,
-            (false, false) => {
-                self.silent_since(now);
-                ModuleState::BusError
-            }
-        };
+    /// The bus starts at `now`, and found the module in this state.
+    pub(super) fn start(&mut self, now: Time, state: ModuleState) {
+        (self.failed, self.state, self.outputs_off) = (0, state, Time::MAX);
+        if state == ModuleState::BusError {
+            self.silent_since(now);
+        }
     }
 
     /// The bus stops: nothing is configured any more.

@@ -39,12 +39,10 @@ pub(crate) trait BusModule: IoModule {
 /// A configured module on the bus.
 #[derive(Debug)]
 struct Position {
-    /// Its index in TM3_MODULE_R (io:BUS-05).
-    index: usize,
-    /// Its internal ID code.
-    id: u8,
-    /// It may be missing (io:OPT-01).
-    optional: bool,
+    /// What is configured there.
+    configured: ConfiguredPosition,
+    /// The internal ID code that answered when the bus was started last.
+    found: Option<u8>,
     module: Box<dyn BusModule>,
     exchange: Exchange,
 }
@@ -67,8 +65,8 @@ pub(crate) struct ExpansionBus {
     active: bool,
     /// Nothing is exchanged until the bus is started again.
     is_off: bool,
-    /// All mandatory modules were there when it was started last.
-    is_complete: bool,
+    /// What it found when it was started last.
+    start_state: Tm3BusState,
     /// The state of a module changed since somebody asked.
     changed: bool,
 }
@@ -82,9 +80,12 @@ impl ExpansionBus {
         let on_bus = configured.filter_map(|(one, index)| Some((one, index?))).enumerate();
         let positions: Vec<Position> = on_bus
             .map(|(place, ((configured, addresses), index))| Position {
-                index,
-                id: configured.module.id.unwrap_or(0),
-                optional: configured.optional,
+                configured: ConfiguredPosition {
+                    index,
+                    id: configured.module.id.unwrap_or(0),
+                    optional: configured.optional,
+                },
+                found: None,
                 module: Box::new(DigitalModule::new(
                     first + place,
                     configured.module,
@@ -104,7 +105,7 @@ impl ExpansionBus {
             only_passive: config.profile == Profile::M241_2014,
             active: config.profile != Profile::M241_2014,
             is_off: false,
-            is_complete: true,
+            start_state: Tm3BusState::Ok,
             changed: false,
         }
     }
@@ -130,13 +131,18 @@ impl ExpansionBus {
     /// The bus starts with an application: after a boot, a download or a reset (io:OPT-02, io:ERR-07). A mandatory module that does
     /// not answer keeps it off.
     pub(crate) fn start(&mut self, now: Time) {
-        let mut starts = true;
+        let configured: Vec<ConfiguredPosition> =
+            self.positions.iter().map(|position| position.configured).collect();
+        let answers = |it: &Position| it.exchange.answers().then_some(it.configured.id);
+        let fitted: Vec<Option<u8>> = self.positions.iter().map(answers).collect();
+        let start = compare_modules(&configured, &fitted, ExtraModules::default());
         for position in &mut self.positions {
-            position.exchange.start(now, position.optional);
-            starts &= position.exchange.state() != ModuleState::BusError;
+            let Some(found) = start.modules.get(position.configured.index) else { continue };
+            position.found = found.fitted;
+            position.exchange.start(now, found.state);
         }
-        self.is_off = self.active && !starts;
-        (self.is_complete, self.changed) = (starts, true);
+        self.is_off = self.active && !start.starts();
+        (self.start_state, self.changed) = (start.state, true);
     }
 
     /// How errors are handled from now on. A bus that is off stays so.
@@ -154,8 +160,9 @@ impl ExpansionBus {
     /// There is no application any more: what is in the virtual image is of nobody.
     pub(crate) fn unload(&mut self) {
         self.image.clear();
-        (self.is_off, self.is_complete) = (false, true);
+        (self.is_off, self.start_state) = (false, Tm3BusState::Ok);
         for position in &mut self.positions {
+            position.found = None;
             position.exchange.stop();
         }
     }
@@ -163,28 +170,25 @@ impl ExpansionBus {
     /// The module of this index of TM3_MODULE_R is silent from now on, for so many exchanges or until another number is given; with
     /// 0 it answers again. Whether there is one.
     pub(crate) fn silence(&mut self, index: usize, exchanges: Option<u32>) -> bool {
-        let found = self.positions.iter_mut().find(|position| position.index == index);
+        let found = self.positions.iter_mut().find(|position| position.configured.index == index);
         found.map(|position| position.exchange.silence(exchanges)).is_some()
     }
 
     /// The state of the module of this index of TM3_MODULE_R (io:DIAG-01).
     pub(crate) fn state(&self, index: usize) -> ModuleState {
-        let found = self.positions.iter().find(|position| position.index == index);
+        let found = self.positions.iter().find(|position| position.configured.index == index);
         found.map_or(ModuleState::Empty, |position| position.exchange.state())
     }
 
     /// The internal ID code of the module of this index; 0 where none was found (io:DIAG-01).
     pub(crate) fn id(&self, index: usize) -> u8 {
-        let is_there = |it: &&Position| {
-            !matches!(it.exchange.state(), ModuleState::Empty | ModuleState::MissingOptional)
-        };
-        let found = self.positions.iter().find(|position| position.index == index);
-        found.filter(is_there).map_or(0, |position| position.id)
+        let found = self.positions.iter().find(|position| position.configured.index == index);
+        found.and_then(|position| position.found).unwrap_or(0)
     }
 
     /// What the bus found when it was started last (io:DIAG-03).
     pub(crate) fn start_state(&self) -> Tm3BusState {
-        if self.is_complete { Tm3BusState::Ok } else { Tm3BusState::ConfigurationError }
+        self.start_state
     }
 
     /// Whether the state of a module changed since this was asked last.
@@ -240,7 +244,7 @@ impl ExpansionBus {
         self.image.take_outputs(shared, memory);
         if self.is_bus_cycle(rank) {
             for Position { module, exchange, .. } in &mut self.positions {
-                if exchange.answers() {
+                if exchange.is_written() {
                     module.write(now, &self.image.outputs, memory);
                 }
             }

@@ -50,22 +50,27 @@ impl BusStart {
     }
 }
 
-/// Compares the configured modules with the internal ID codes of the fitted ones, position by position from the controller on.
+/// Compares the configured modules with the internal ID codes of the fitted ones, position by position from the controller on;
+/// one that is fitted and does not answer has none, and takes its position all the same.
 ///
 /// A fitted module of the configured code matches, whatever its reference (io:OPT-04). Where another code answers, or none, an
 /// optional module is missing and the fitted module is compared with the next configured one (io:OPT-03). A mandatory
 /// module is then a configuration error if something is fitted there (io:OPT-06), and a bus error if nothing is (io:ERR-01);
 /// the bus does not start (io:OPT-02), and the positions after it are compared all the same (rig definition).
-pub fn compare_modules(configured: &[ConfiguredPosition], fitted: &[u8], extra: ExtraModules) -> BusStart {
+pub fn compare_modules(
+    configured: &[ConfiguredPosition],
+    fitted: &[Option<u8>],
+    extra: ExtraModules,
+) -> BusStart {
     let mut modules = [PositionState { state: ModuleState::Empty, fitted: None }; MODULE_INDICES];
     let mut starts = true;
     let mut left = fitted;
     for position in configured {
         let found = match left.split_first() {
-            Some((id, _)) if position.optional && *id != position.id => None,
+            Some((Some(id), _)) if position.optional && *id != position.id => None,
             Some((id, rest)) => {
                 left = rest;
-                Some(*id)
+                *id
             }
             None => None,
         };
@@ -100,9 +105,13 @@ mod tests {
         codes.iter().enumerate().map(one).collect()
     }
 
+    fn answering(ids: &[u8]) -> Vec<Option<u8>> {
+        ids.iter().copied().map(Some).collect()
+    }
+
     /// The numbers of the states from index 0 on as far as modules are configured, and that of the bus.
     fn compared(configured: &[i16], fitted: &[u8]) -> (Vec<u16>, u16) {
-        let found = compare_modules(&positions(configured), fitted, ExtraModules::Refused);
+        let found = compare_modules(&positions(configured), &answering(fitted), ExtraModules::Refused);
         let states = found.modules.iter().map(|one| one.state.code());
         assert!(states.clone().skip(configured.len()).all(|code| code == 0));
         (states.take(configured.len()).collect(), found.state.code())
@@ -119,6 +128,10 @@ mod tests {
         assert_eq!(compared(&[132, 129], &[]), (vec![2, 2], 1));
         // Missing in the middle: what comes after it answers in its place.
         assert_eq!(compared(&[132, 129, 193], &[132, 193]), (vec![3, 1, 2], 1));
+        // One that is there and silent keeps its position.
+        let silent =
+            compare_modules(&positions(&[132, -129, 193]), &[None, None, Some(193)], ExtraModules::Refused);
+        assert_eq!([0, 1, 2].map(|index| silent.modules[index].state.code()), [2, 5, 3]);
         // Optional ones.
         assert_eq!(compared(&[132, -129, 193], &[132, 193]), (vec![3, 5, 3], 3));
         assert_eq!(compared(&[132, -129, 193], &[132, 129, 193]), (vec![3, 3, 3], 3));
@@ -135,10 +148,12 @@ mod tests {
     // io:OPT-07
     #[test]
     fn extra_modules_can_be_ignored() {
-        let found = compare_modules(&positions(&[132]), &[132, 129, 129], ExtraModules::Ignored);
+        let found = compare_modules(&positions(&[132]), &answering(&[132, 129, 129]), ExtraModules::Ignored);
         assert!(found.starts());
         assert_eq!(found.extra, 2);
-        assert!(!compare_modules(&positions(&[132]), &[132, 129], ExtraModules::Refused).starts());
+        assert!(
+            !compare_modules(&positions(&[132]), &answering(&[132, 129]), ExtraModules::Refused).starts()
+        );
     }
 
     // io:BUS-05: local modules from 0 on, remote ones from 7 on, one bus.
@@ -146,14 +161,14 @@ mod tests {
     fn states_stand_at_the_index_of_their_module() {
         let mut configured = positions(&[132, 129]);
         configured[1].index = 7;
-        let found = compare_modules(&configured, &[132, 133], ExtraModules::Refused);
+        let found = compare_modules(&configured, &answering(&[132, 133]), ExtraModules::Refused);
         let ok = PositionState { state: ModuleState::Ok, fitted: Some(132) };
         let wrong = PositionState { state: ModuleState::ConfigurationError, fitted: Some(133) };
         assert_eq!((found.modules[0], found.modules[7]), (ok, wrong));
         assert_eq!(found.modules.iter().filter(|one| one.state == ModuleState::Empty).count(), 12);
         // An index that TM3_MODULE_R has not shows nowhere.
         configured[1].index = MODULE_INDICES;
-        assert!(!compare_modules(&configured, &[132, 133], ExtraModules::Refused).starts());
+        assert!(!compare_modules(&configured, &answering(&[132, 133]), ExtraModules::Refused).starts());
     }
 
     /// The fitted module that a position is compared with: the one after those that the positions before it have used.
