@@ -19,7 +19,7 @@ fn thousand(declarations: &str, statement: &str) -> i64 {
     time(&format!("PROGRAM MAIN VAR {declarations} END_VAR\n{body}END_PROGRAM"))
 }
 
-const VARIABLES: &str = "b, c : BOOL; i, j : INT; d, e : DINT; r, q : REAL;";
+const VARIABLES: &str = "b, c : BOOL; y : BYTE; i, j : INT; d, e : DINT; r, q : REAL;";
 
 #[test]
 fn a_thousand_documented_instructions_take_the_documented_time() {
@@ -145,6 +145,9 @@ fn constants_and_constant_expressions_are_free() {
         ("i := j + 2 * 3;", 32 + 42 + 32),
         ("i := 2 + 3 + j;", 32 + 42 + 32),
         ("i := j + 2 + 3;", 32 + 2 * 42 + 32),
+        // A conversion into the type that it has cuts a constant, as one into another type does.
+        ("y := y * BYTE_TO_BYTE(BYTE#255 + BYTE#1);", 32 + 42 + 32),
+        ("y := y * TO_BYTE(USINT#255 + USINT#1);", 32 + 42 + 32),
     ] {
         let text = format!(
             "PROGRAM MAIN VAR {VARIABLES} END_VAR VAR CONSTANT seven : INT := 7; END_VAR {statement} END_PROGRAM"

@@ -69,7 +69,8 @@ impl Sema<'_> {
         }
         let target = self.tree_type(to);
         if value.ty == target {
-            // It costs what a conversion costs even where nothing changes.
+            // A constant is cut here and costs nothing; all else costs what a conversion costs even where nothing changes.
+            let value = self.cut(value);
             return match value.kind {
                 ExprKind::Constant(_) => LiteralOperand::Value(value, to),
                 _ => LiteralOperand::Value(
