@@ -49,6 +49,8 @@ struct Last {
     total: i128,
     /// The earliest instant at which it can have been so.
     since: HostInstant,
+    /// The latest one.
+    until: HostInstant,
 }
 
 /// Follows one count.
@@ -170,7 +172,7 @@ impl Follower {
 
     fn base(&mut self, value: u64, since: HostInstant) {
         (self.turns, self.first, self.foreseen, self.since) = (0, value, false, since);
-        self.last = Some(Last { value, total: 0, since });
+        self.last = Some(Last { value, total: 0, since, until: since });
     }
 
     fn read(&mut self, reading: CounterReading, tell: &mut impl FnMut(CountStep)) {
@@ -256,7 +258,10 @@ impl Follower {
         total: i128,
         tell: &mut impl FnMut(CountStep),
     ) {
-        let Some(last) = self.last.replace(Last { value, total, since }) else { return };
+        let Some(last) = self.last else { return };
+        // An event that is stamped while a reading was made is reported after it: no step ends before the one before it.
+        let until = to.max(last.until);
+        self.last = Some(Last { value, total, since, until });
         let apart = to - last.since;
         let too_far = |promised: u64| {
             // The nanosecond in which it began counts whole.
@@ -266,7 +271,7 @@ impl Follower {
         let doubtful = apart > self.unseen || self.promised.is_some_and(too_far);
         if total != last.total || doubtful {
             let limit = |total: i128| total.clamp(i128::from(i64::MIN), i128::from(i64::MAX)) as i64;
-            tell(CountStep { from, to, total: limit(total), doubtful });
+            tell(CountStep { from, to: until, total: limit(total), doubtful });
         }
     }
 }

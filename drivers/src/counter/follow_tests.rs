@@ -126,6 +126,18 @@ fn wheel(range: i64, first: i64, gaps: &[(i64, i64)]) -> Wheel {
     Wheel { range, first: first % range, moves, sums }
 }
 
+#[test]
+fn a_wrap_stamped_while_a_reading_is_made_does_not_end_before_it() {
+    let told = [CounterEventKind::Overflow];
+    let mut follower = Follower::new(&spec(CountFunction::Increase, &told, None), 9, LONG, Span::ZERO);
+    let wheel = wheel(10, 8, &[(3 * PERIOD + 500, 1), (PERIOD - 470, 1), (PERIOD, 1)]);
+    let events = wheel.events(false, 0);
+    assert!(events[0].stamp > at(4 * PERIOD) && events[0].stamp < at(4 * PERIOD + 60), "{events:?}");
+    let steps = wheel.follow(&mut follower, &readings(4), &events);
+    assert_eq!(steps.iter().map(|step| step.total).collect::<Vec<_>>(), [1, 2, 3]);
+    assert!(steps.is_sorted_by_key(|step| step.to), "{steps:?}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(128))]
 
