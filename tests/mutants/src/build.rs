@@ -10,12 +10,21 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A crate that is mutated: `controller` or `expert`.
-pub struct Subject<'a>(pub &'a str);
+/// A crate that is mutated.
+pub struct Subject<'a>(&'a str);
 
 impl Subject<'_> {
-    fn sources(&self) -> String {
-        format!("rig/{}/src", self.0)
+    /// The crate of this name, if it is one whose behaviour the shipped plans claim.
+    pub fn of(name: &str) -> Option<Subject<'_>> {
+        ["controller", "expert", "drivers"].contains(&name).then_some(Subject(name))
+    }
+
+    /// Where its sources are in the repository.
+    pub fn sources(&self) -> String {
+        match self.0 {
+            "drivers" => "drivers/src".into(),
+            name => format!("rig/{name}/src"),
+        }
     }
 
     fn package(&self) -> String {

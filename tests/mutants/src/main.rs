@@ -1,4 +1,5 @@
-//! How many random mutants of the controller, or of its expert functions, the shipped plans alone kill.
+//! How many random mutants of the controller, of its expert functions or of the plants of simulated boards the shipped plans
+//! alone kill.
 //! `tests/mutants/run` runs it.
 //!
 //! Every mutation is compiled once, into one program, each behind a switch that the environment variable
@@ -19,30 +20,34 @@ type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 /// Mutants that are tried at the same time.
 const AT_ONCE: usize = 2;
 
-const USAGE: &str =
-    "usage: scanrig-mutants controller|expert build | run COUNT SEED [PLANS] | only NUMBER,... [PLANS]";
+const USAGE: &str = "usage: scanrig-mutants CRATE[/FOLDER] build | run COUNT SEED [PLANS] | only NUMBER,... [PLANS]
+  CRATE   controller, expert or drivers
+  FOLDER  draws only from this folder of its sources, as in controller/bus";
 
 fn main() -> Outcome<()> {
     let repository = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).ok_or("no repository")?;
     let target = env::var_os("CARGO_TARGET_DIR")
         .map_or_else(|| repository.join("tests/mutants/target"), PathBuf::from);
     let mut args = env::args().skip(1);
-    let Some(subject) = args.next().filter(|name| ["controller", "expert"].contains(&name.as_str())) else {
-        return Err(USAGE.into());
-    };
-    let place = target.join("mutants").join(&subject);
+    let subject = args.next().unwrap_or_default();
+    let (name, folder) = subject.split_once('/').unwrap_or((&subject, ""));
+    let Some(subject) = build::Subject::of(name) else { return Err(USAGE.into()) };
+    let folder = Path::new(&subject.sources()).join(folder);
+    let place = target.join("mutants").join(name);
     let list = place.join("points.tsv");
     let args: Vec<String> = args.collect();
     let plans = |n: usize| args.get(n).map_or_else(|| repository.join("plans/library"), PathBuf::from);
     match args.first().map(String::as_str) {
         Some("build") if args.len() == 1 => {
-            build::build(&build::Subject(&subject), repository, &place, &list)
+            build::build(&subject, repository, &place, &list)
         }
         Some("run") if args.len() >= 3 => {
             let all = fs::read_to_string(&list)?;
-            let all: Vec<&str> = all.lines().collect();
+            let place_of = |line: &str| line.split('\t').nth(1).unwrap_or_default().to_owned();
+            let all: Vec<&str> =
+                all.lines().filter(|line| Path::new(&place_of(line)).starts_with(&folder)).collect();
             let drawn = trial::draw(&all, args[1].parse()?, args[2].parse()?);
-            println!("{} of {} viable mutants, seed {}", drawn.len(), all.len(), args[2]);
+            println!("{} of {} viable mutants of {}, seed {}", drawn.len(), all.len(), folder.display(), args[2]);
             trial::run(&drawn, &place, &plans(3))
         }
         Some("only") if args.len() >= 2 => {
