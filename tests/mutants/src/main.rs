@@ -20,7 +20,8 @@ type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 /// Mutants that are tried at the same time.
 const AT_ONCE: usize = 2;
 
-const USAGE: &str = "usage: scanrig-mutants CRATE[/FOLDER] build | run COUNT SEED [PLANS] | only NUMBER,... [PLANS]
+const USAGE: &str =
+    "usage: scanrig-mutants CRATE[/FOLDER] build | run COUNT SEED [PLANS] | only NUMBER,... [PLANS]
   CRATE   controller, expert or drivers
   FOLDER  draws only from this folder of its sources, as in controller/bus";
 
@@ -38,16 +39,20 @@ fn main() -> Outcome<()> {
     let args: Vec<String> = args.collect();
     let plans = |n: usize| args.get(n).map_or_else(|| repository.join("plans/library"), PathBuf::from);
     match args.first().map(String::as_str) {
-        Some("build") if args.len() == 1 => {
-            build::build(&subject, repository, &place, &list)
-        }
+        Some("build") if args.len() == 1 => build::build(&subject, repository, &place, &list),
         Some("run") if args.len() >= 3 => {
             let all = fs::read_to_string(&list)?;
             let place_of = |line: &str| line.split('\t').nth(1).unwrap_or_default().to_owned();
             let all: Vec<&str> =
                 all.lines().filter(|line| Path::new(&place_of(line)).starts_with(&folder)).collect();
             let drawn = trial::draw(&all, args[1].parse()?, args[2].parse()?);
-            println!("{} of {} viable mutants of {}, seed {}", drawn.len(), all.len(), folder.display(), args[2]);
+            println!(
+                "{} of {} viable mutants of {}, seed {}",
+                drawn.len(),
+                all.len(),
+                folder.display(),
+                args[2]
+            );
             trial::run(&drawn, &place, &plans(3))
         }
         Some("only") if args.len() >= 2 => {
