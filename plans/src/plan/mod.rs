@@ -49,6 +49,7 @@ pub use settings::{
     AlwaysUpdate, HaltOutputs, InitialState, OutputsInStop, PlanSettings, Rearming, StartingMode,
     TaskSettings, TaskType, WatchdogBasis,
 };
+pub use times::AFTER_LAST;
 
 /// What the model's outputs do with delays that their documents give as maxima (io:STD-OUT-01).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -12,7 +12,7 @@ use crate::steps::CasePart;
 use crate::steps::Stimulus;
 
 /// How long after its last step a case ends where the plan does not say.
-const AFTER_LAST: Span = Span::from_secs(1);
+pub const AFTER_LAST: Span = Span::from_secs(1);
 /// Time for power-on and whatever else no plan adds up.
 const ALLOWANCE: i128 = 60_000_000_000;
 /// Furthest from its root that a step may lie: 100 years.

@@ -9,8 +9,7 @@ use crate::schedule::case_ending::NotRefused;
 use crate::schedule::{Act, Due, EndReason, Expected};
 use crate::subject::SubjectExt;
 use drivers::{BoardExt, ChannelId};
-use plans::steps::CasePart;
-use plans::steps::Question;
+use plans::steps::{CasePart, Question};
 use signal::{Cause, SignalId, Time, Value};
 
 impl Executor<'_> {
@@ -41,8 +40,7 @@ impl Executor<'_> {
                     self.report_step(step, true);
                     self.parts.schedule.finish(step, now);
                 }
-                // The step's own claim fails with what was waited for. The case goes on without the step, unless
-                // its end depends on it.
+                // The step's own claim fails with what was waited for. The case goes on without the step.
                 Due::Missed
                     if at == now && self.parts.subject.next_timer().is_some_and(|timer| timer <= now) =>
                 {
@@ -51,13 +49,9 @@ impl Executor<'_> {
                 }
                 Due::Missed => {
                     let missed = self.parts.schedule.miss(step, now);
-                    match self.parts.schedule.steps()[step].phase {
-                        // What the setup prepares is not there: nothing of the steps proper would mean anything.
-                        CasePart::Setup if missed => {
-                            self.parts.schedule.end_early(EndReason::Missed(step), now)
-                        }
-                        CasePart::Main => self.over |= missed && self.parts.schedule.is_exhausted(),
-                        _ => {}
+                    // What the setup prepares is not there: nothing of the steps proper would mean anything.
+                    if missed && self.parts.schedule.steps()[step].phase == CasePart::Setup {
+                        self.parts.schedule.end_early(EndReason::Missed(step), now);
                     }
                 }
                 Due::Stop => self.parts.schedule.stop(step, now),
@@ -75,6 +69,7 @@ impl Executor<'_> {
         if let Some((at, step)) = waits {
             self.parts.schedule.wait_on(at, step);
         }
+        self.over |= self.parts.schedule.is_over_without_end(now);
         Ok(())
     }
 

@@ -2,6 +2,7 @@
 //! case runs.
 
 pub mod case_ending;
+mod never;
 mod progress;
 
 use crate::generator::{BoardOrder, StimulusGenerator};
@@ -345,13 +346,11 @@ impl Schedule {
 
     /// The step has waited long enough. FALSE where it has come already.
     pub fn miss(&mut self, step: usize, now: Time) -> bool {
-        let armed = std::mem::take(&mut self.armed[step]);
-        armed && !self.has_come(step, now)
-    }
-
-    /// Whether nothing is left that could come, the end of the case included.
-    pub fn is_exhausted(&self) -> bool {
-        self.queue.is_empty() && self.end.is_none() && !self.armed.contains(&true)
+        let missed = std::mem::take(&mut self.armed[step]) && !self.has_come(step, now);
+        if missed {
+            self.never_comes(step);
+        }
+        missed
     }
 
     /// Whether a step waits for changes of this signal: asked for every recorded event.
@@ -370,33 +369,6 @@ impl Schedule {
     pub fn is_awaiting(&self, step: usize, signal: SignalId) -> bool {
         self.is_waiting(step)
             && matches!(self.steps[step].timing, Timing::When { signal: awaited, .. } if awaited == signal)
-    }
-
-    /// A step with those that come only after it, by way of others too; after one of the setup all of main.
-    pub fn with_those_after(&self, step: usize) -> Vec<usize> {
-        let mut found = vec![false; self.steps.len()];
-        found[step] = true;
-        loop {
-            let depends = |place: usize| match self.roots[place] {
-                StepAnchor::Begin(on) | StepAnchor::Time(on, _) | StepAnchor::Pulse(on, _) => found[on],
-                StepAnchor::Done(on) => {
-                    found[on]
-                        || (0..found.len()).any(|part| found[part] && self.steps[part].parent == Some(on))
-                }
-                StepAnchor::Main => {
-                    (0..found.len()).any(|one| found[one] && self.steps[one].phase == CasePart::Setup)
-                }
-                StepAnchor::Start | StepAnchor::Teardown | StepAnchor::Never => false,
-            };
-            let more: Vec<usize> =
-                (0..found.len()).filter(|place| !found[*place] && depends(*place)).collect();
-            if more.is_empty() {
-                return (0..found.len()).filter(|place| found[*place]).collect();
-            }
-            for place in more {
-                found[place] = true;
-            }
-        }
     }
 
     /// A recorded change: steps that waited for it begin now.
@@ -448,6 +420,7 @@ impl Schedule {
 
     /// A step is done, with every time that it comes.
     pub fn finish(&mut self, step: usize, now: Time) {
+        self.progress.last_done = Some(now);
         self.anchor_reached(StepAnchor::Done(step), now);
         self.close(step, now);
     }

@@ -3,6 +3,7 @@
 //! Setup, main, teardown: main waits until every step of the setup is done; the teardown waits for the end, however that
 //! came about. Steps of a group are steps like others; the one that runs the group is done when all of them are.
 
+use super::never::NeverComing;
 use super::{Due, PlannedStep, Schedule, StepAnchor};
 use crate::generator::StimulusGenerator;
 use crate::schedule::case_ending::EarlyEnd;
@@ -36,14 +37,16 @@ pub(super) struct ScheduleProgress {
     pub(super) first: Vec<Option<Time>>,
     /// How many times each came.
     times: Vec<u64>,
+    /// When the last step was done that is.
+    pub(super) last_done: Option<Time>,
     /// It has begun, or is about to, and is not done.
-    working: Vec<bool>,
+    pub(super) working: Vec<bool>,
     /// It comes no more.
     stopped: Vec<bool>,
     /// From when on it comes no more, where that is known.
-    until: Vec<Option<Time>>,
+    pub(super) until: Vec<Option<Time>>,
     /// It is done, with every time that it comes.
-    done: Vec<bool>,
+    pub(super) done: Vec<bool>,
     /// The steps of its group that are not done.
     open: Vec<usize>,
     /// The steps of the setup that are not done.
@@ -51,7 +54,9 @@ pub(super) struct ScheduleProgress {
     /// What steps of main would do if main had begun.
     held: Vec<(usize, Due)>,
     /// What the steps depend on that come up to an instant, with the distance from it.
-    untils: Vec<(StepAnchor, usize, Span)>,
+    pub(super) untils: Vec<(StepAnchor, usize, Span)>,
+    /// What was missed, with what depends on it.
+    pub(super) never: NeverComing,
 }
 
 impl ScheduleProgress {
@@ -72,6 +77,7 @@ impl ScheduleProgress {
             ended: None,
             first: vec![None; count],
             times: vec![0; count],
+            last_done: None,
             working: vec![false; count],
             stopped: vec![false; count],
             until: vec![None; count],
@@ -79,6 +85,7 @@ impl ScheduleProgress {
             setup: steps.iter().filter(|step| step.phase == CasePart::Setup).count(),
             held: Vec::with_capacity(count),
             untils: untils.collect(),
+            never: NeverComing::new(count),
             open,
         }
     }
@@ -123,14 +130,6 @@ impl Schedule {
         self.progress.phase = CasePart::Teardown;
         self.anchor_reached(StepAnchor::Teardown, now);
         self.steps.iter().any(|step| step.phase == CasePart::Teardown)
-    }
-
-    /// Whether nothing of the teardown is left that could come.
-    pub fn is_torn_down(&self) -> bool {
-        // What a step waited for is over when it came, whatever is still queued of it.
-        self.queue
-            .iter()
-            .all(|std::cmp::Reverse((_, _, step, due))| *due == Due::Missed && !self.armed[*step])
     }
 
     /// The setup is done and main begins.
