@@ -36,40 +36,35 @@ pub(super) const OF_BOARD: AccuracyCodes = AccuracyCodes { unit: codes::UNIT, fi
 /// is reported.
 pub fn accuracy(fields: &Fields, unit: &str, codes: AccuracyCodes, out: &mut Findings) -> Option<Accuracy> {
     let Some(inner) = fields.inner("accuracy") else { return Some(Accuracy::default()) };
-    let is_stated = FIGURES.iter().any(|key| inner.has(key));
-    covers_something(&inner, is_stated, FIGURES_HELP, codes, out)?;
     let percent = |key: &str, out: &mut Findings| match inner.get(key) {
         None => Some(0.0),
         Some(node) => percent(node, codes, out).map(|part| part * 0.01),
     };
-    Some(Accuracy {
-        of_value: percent("of-value", out)?,
-        of_range: percent("of-range", out)?,
-        plus: inner.get("plus").map_or(Some(0.0), |node| width(node, unit, codes, out))?,
-        coverage: inner
-            .get("coverage")
-            .map_or(Some(Coverage::default()), |node| coverage(node, codes, out))?,
-    })
+    let of_value = percent("of-value", out)?;
+    let of_range = percent("of-range", out)?;
+    let plus = inner.get("plus").map_or(Some(0.0), |node| width(node, unit, codes, out))?;
+    let is_off = of_value > 0.0 || of_range > 0.0 || plus > 0.0;
+    covers_something(&inner, is_off, FIGURES_HELP, codes, out)?;
+    let covered =
+        inner.get("coverage").map_or(Some(Coverage::default()), |node| coverage(node, codes, out))?;
+    Some(Accuracy { of_value, of_range, plus, coverage: covered })
 }
-
-/// The figures of a table `accuracy`.
-const FIGURES: [&str; 3] = ["of-value", "of-range", "plus"];
 
 /// What to write where a table `accuracy` has none of them.
 const FIGURES_HELP: &str =
     "write how far off it may be, as in plus = \"10 mV\" or of-value = \"0.1 %\", or remove `coverage`";
 
-/// Refuses the key `coverage` of a table where no error is stated that it could be of: it was forgotten, and what is exact would be
+/// Refuses the key `coverage` of a table where no error above 0 is stated that it could be of: it was forgotten, and what is exact would be
 /// reported as known with a probability. `None` where that is reported.
 pub fn covers_something(
     fields: &Fields,
-    is_stated: bool,
+    is_off: bool,
     help: &str,
     codes: AccuracyCodes,
     out: &mut Findings,
 ) -> Option<()> {
-    let Some(entry) = fields.entry("coverage").filter(|_| !is_stated) else { return Some(()) };
-    out.error(codes.figure, entry.key_span.clone(), "`coverage` is of an error, and none is stated", help);
+    let Some(entry) = fields.entry("coverage").filter(|_| !is_off) else { return Some(()) };
+    out.error(codes.figure, entry.key_span.clone(), "`coverage` is of an error, and there is none", help);
     None
 }
 

@@ -195,7 +195,6 @@ pub fn read(file: &SourceFile) -> Result<InstrumentFile, Vec<Diagnostic>> {
     let clock = fields.inner("timebase");
     let timebase = clock.as_ref().map(|clock| timebase(clock, &mut out)).unwrap_or_default();
     let entries = fields.get("channels").and_then(Node::as_table).map_or(&[][..], |table| &table.entries);
-    let coverage = clock.and_then(|clock| clock_coverage(&clock, entries, &mut out)).unwrap_or_default();
     if let Some(one) = entries.get(MOST_CHANNELS) {
         let message = format!("the file has {} channels", entries.len());
         let help = format!("leave {MOST_CHANNELS} at most: those that are mapped to signals");
@@ -206,6 +205,7 @@ pub fn read(file: &SourceFile) -> Result<InstrumentFile, Vec<Diagnostic>> {
         let Some(table) = entry.node.as_table() else { continue };
         channels.extend(channel(entry, &Fields::checked(table, CHANNEL), &mut out));
     }
+    let coverage = clock.and_then(|clock| clock_coverage(&clock, &timebase, &channels, &mut out));
     if out.has_errors() {
         return Err(out.into_vec());
     }
@@ -214,7 +214,7 @@ pub fn read(file: &SourceFile) -> Result<InstrumentFile, Vec<Diagnostic>> {
         text: file.text.clone(),
         title: fields.text("title").unwrap_or_default().to_owned(),
         timebase,
-        coverage,
+        coverage: coverage.unwrap_or_default(),
         channels,
         statements: statements(&tree),
     })
@@ -233,13 +233,20 @@ fn timebase(fields: &Fields, out: &mut Findings) -> TimebaseErrors {
 }
 
 /// What the figures of the clock cover, and with them those of the delays of channels. `None` where it is wrong, which is reported.
-fn clock_coverage(clock: &Fields, channels: &[Entry], out: &mut Findings) -> Option<Coverage> {
-    let has_delay =
-        |entry: &Entry| entry.node.as_table().is_some_and(|table| table.get("delay-error").is_some());
-    let is_stated = ["error", "offset-error", "resolution", "skew"].iter().any(|key| clock.has(key))
-        || channels.iter().any(has_delay);
+fn clock_coverage(
+    clock: &Fields,
+    errors: &TimebaseErrors,
+    channels: &[InstrumentChannel],
+    out: &mut Findings,
+) -> Option<Coverage> {
+    let spans = [errors.offset_error, errors.resolution, errors.skew];
+    let delays = channels.iter().map(|channel| channel.errors.delay_error);
+    // Of a file with other findings it is not known what it states.
+    let is_off = out.has_errors()
+        || !errors.rate.is_none()
+        || spans.into_iter().chain(delays).any(|error| error > Span::ZERO);
     let help = "write how far the clock may be off, as in error = \"25 ppm\" or resolution = \"10 ns\", or remove `coverage`";
-    accuracy::covers_something(clock, is_stated, help, FIGURES, out)?;
+    accuracy::covers_something(clock, is_off, help, FIGURES, out)?;
     clock.get("coverage").and_then(|node| accuracy::coverage(node, FIGURES, out))
 }
 
@@ -367,10 +374,8 @@ mod tests {
     }
 
     #[test]
-    fn a_coverage_is_of_what_is_stated_with_0_too() {
-        good("[timebase]\nerror = \"0 ppm\"\ncoverage = \"95 %\"");
+    fn a_coverage_of_the_clock_is_that_of_delays_too() {
         good("[timebase]\ncoverage = \"95 %\"\n[channels.CH1]\ndelay-error = \"1 ns\"");
-        good("[channels.CH1]\nunit = \"V\"\naccuracy = { plus = \"0 V\", coverage = \"95 %\" }");
     }
 
     #[test]
@@ -397,7 +402,15 @@ mod tests {
             ("[channels.CH1]\naccuracy = { of-value = \"-1 %\" }", "R0212"),
             ("[channels.CH1]\naccuracy = { of-value = \"1 %\", coverage = \"100 %\" }", "R0212"),
             ("[channels.CH1]\naccuracy = { of-range = \"1 %\" }", "R0211"),
-            // An error that was forgotten: nothing would be known with this probability.
+            // An error that was forgotten, or is none: nothing would be known with this probability.
+            ("[timebase]\nerror = \"0 ppm\"\ncoverage = \"95 %\"", "R0212"),
+            ("[timebase]\nerror = 0\nresolution = \"0 ns\"\nskew = \"0 s\"\ncoverage = \"k = 2\"", "R0212"),
+            ("[timebase]\ncoverage = \"95 %\"\n[channels.CH1]\ndelay-error = \"0 ns\"", "R0212"),
+            ("[channels.CH1]\nunit = \"V\"\naccuracy = { plus = \"0 V\", coverage = \"95 %\" }", "R0212"),
+            (
+                "[channels.CH1]\nunit = \"V\"\naccuracy = { of-value = \"0 %\", plus = 0, coverage = \"95 %\" }",
+                "R0212",
+            ),
             ("[timebase]\ncoverage = \"95 %\"", "R0212"),
             ("[timebase]\noffset = \"1 us\"\ncoverage = \"95 %\"", "R0212"),
             ("[channels.CH1]\naccuracy = { coverage = \"95 %\" }", "R0212"),
