@@ -75,6 +75,8 @@ pub struct Interface {
     was: Option<Link>,
     /// The interface that the rig starts again after bus-off.
     restarts: Option<u32>,
+    /// What the interface was when it was opened: the first change that is reported of it.
+    opened: Option<Change>,
 }
 
 impl Interface {
@@ -83,7 +85,8 @@ impl Interface {
     /// # Errors
     /// What the kernel says.
     pub fn new(spec: &CanBusSpec) -> io::Result<Interface> {
-        Ok(Interface { spec: spec.clone(), watch: Watch::start()?, seen: None, was: None, restarts: None })
+        let watch = Watch::start()?;
+        Ok(Interface { spec: spec.clone(), watch, seen: None, was: None, restarts: None, opened: None })
     }
 
     /// Sets an interface up that the rig has not seen before, if the board file leaves that to the rig. One that somebody
@@ -126,8 +129,17 @@ impl Adapter for Interface {
         if !settings::differences(&self.spec, &link).is_empty() {
             return Err(Errno::INVAL.into());
         }
+        let port = KernelPort::open(link.index, &self.spec)?;
+        // News from before say that it was down, or away. What became of it since it was opened the second answer says, and
+        // a socket whose interface went down meanwhile reports that itself.
+        let _ = self.watch.news();
+        let now = ask(&self.spec.interface)?;
+        if !now.up || now.index != link.index {
+            return Err(Errno::NETDOWN.into());
+        }
+        self.opened = Some(Change::Up { running: now.running });
         self.restarts = Some(link.index).filter(|_| restarts_by_rig(&self.spec, &link));
-        Ok((Box::new(KernelPort::open(link.index, &self.spec)?), taking_part(&link)))
+        Ok((Box::new(port), taking_part(&now)))
     }
 
     fn state(&mut self) -> Option<BusState> {
@@ -140,6 +152,7 @@ impl Adapter for Interface {
             true => Change::Up { running: link.running },
             false => Change::Down,
         };
+        let opened = self.opened.take().unwrap_or(Change::None);
         let Some(news) = self.watch.news() else {
             return ask(&self.spec.interface).map_or(Change::Down, |link| changed(&link));
         };
@@ -153,7 +166,7 @@ impl Adapter for Interface {
         match all.last() {
             Some(Change::Up { .. }) if all.contains(&Change::Down) => Change::Flapped,
             Some(change) => *change,
-            None => Change::None,
+            None => opened,
         }
     }
 
