@@ -28,6 +28,13 @@ pub struct AnalogueMode {
     pub sources: Vec<FigureSource>,
 }
 
+impl AnalogueMode {
+    /// Whether its channel is at a sensor and not at a voltage or a current: an open one is a fault of the sensor.
+    pub fn is_sensor(&self) -> bool {
+        self.unit != Unit::new("V") && self.unit != Unit::new("mA")
+    }
+}
+
 /// How long a conversion takes: a part that is always the same, and a part for each channel that is in use.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Conversion {

@@ -3,12 +3,16 @@
 //! The figures themselves stand in the pages of the crate `catalogue`; here is what a figure is.
 
 mod analogue;
+mod channel_settings;
+mod channel_status;
 mod composition;
 mod configured;
 mod digital;
 mod layout;
 
 pub use analogue::{AnalogueChannels, AnalogueMode, Conversion};
+pub use channel_settings::{AnalogueInputSettings, AnalogueOutputSettings, CountRange, TemperatureScope};
+pub use channel_status::ChannelStatus;
 pub use composition::{
     CompositionError, CompositionFault, LOCAL_MODULES, MODULE_INDICES, ModuleChain, REMOTE_MODULES,
     TM4_MODULES, check_modules, module_indices,
