@@ -146,6 +146,8 @@ pub enum SystemCall {
     FirstMastWarmCycle,
     /// Whether an input or output is forced (controller:STATE-03).
     HasForcedIo,
+    /// Status bytes of an expansion module (io:DIAG-06): its index, the first byte and how many, eight bits each.
+    ModuleInternalStatus,
     /// The clock, in seconds since 1970 (controller:DEV-22).
     GetRtc,
     /// To correct the clock by so many seconds a week (controller:DEV-22).

@@ -8,6 +8,7 @@
 //! Goals: the documented behaviour to the nanosecond of modelled time, the same on every host; no allocation inside
 //! a scan. Not goals: clocks, threads, files, wires, the language of the application (see [`Application`]).
 
+mod analogue;
 mod application;
 mod boot;
 mod bus;

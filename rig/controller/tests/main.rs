@@ -1,5 +1,6 @@
 //! The controller's scan from outside: one program, since each costs a link.
 
+mod analogue;
 mod bus;
 mod functions;
 mod kinds;

@@ -1,13 +1,12 @@
 //! The virtual image of inputs and outputs on the bus (io:BUS-09).
 
 use crate::memory::Memory;
-use crate::module::ModuleChannel;
 use profile::Profile;
 use signal::{Address, Area, Image};
 
 /// The bytes of the images that somebody exchanges with the virtual image.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct SharedBytes {
+pub(crate) struct SharedBytes {
     /// Bytes of %I, each with the bits that are meant.
     inputs: Vec<(usize, u8)>,
     /// Bytes of %Q, each with the bits that are meant.
@@ -15,20 +14,20 @@ pub(super) struct SharedBytes {
 }
 
 impl SharedBytes {
-    /// Those of the channels whose places are meant.
-    pub(super) fn of<'a>(
-        channels: impl Iterator<Item = &'a ModuleChannel>,
+    /// Those of the places that are meant.
+    pub(crate) fn of(
+        places: impl Iterator<Item = Address>,
         is_meant: impl Fn(Address) -> bool,
     ) -> SharedBytes {
         let mut shared = SharedBytes::default();
-        for channel in channels.filter(|channel| is_meant(channel.address)) {
-            let list = match channel.address.area() {
+        for place in places.filter(|place| is_meant(*place)) {
+            let list = match place.area() {
                 Area::Input => &mut shared.inputs,
                 Area::Output => &mut shared.outputs,
                 Area::Memory => continue,
             };
-            let first = channel.address.bit_offset();
-            for bit in first..first + channel.address.bit_len() {
+            let first = place.bit_offset();
+            for bit in first..first + place.bit_len() {
                 let (byte, mask) = (bit as usize / 8, 1 << (bit % 8));
                 match list.last_mut() {
                     Some((last, bits)) if *last == byte => *bits |= mask,
@@ -40,7 +39,7 @@ impl SharedBytes {
     }
 
     /// Sets their %Q to 0; whether that changed.
-    pub(super) fn clear_outputs(&self, memory: &mut Memory) -> bool {
+    pub(crate) fn clear_outputs(&self, memory: &mut Memory) -> bool {
         let clear = |(at, mask): &(usize, u8)| memory.clear_output_bits(*at, *mask);
         self.outputs.iter().map(clear).fold(false, |any, changed| any | changed)
     }
@@ -48,27 +47,27 @@ impl SharedBytes {
 
 /// What the bus cycle last read, and what it writes next. Places are those of %I and %Q.
 #[derive(Clone, Debug)]
-pub(super) struct VirtualImage {
-    pub(super) inputs: Image,
-    pub(super) outputs: Image,
+pub(crate) struct VirtualImage {
+    pub(crate) inputs: Image,
+    pub(crate) outputs: Image,
 }
 
 impl VirtualImage {
     /// An image of zeros.
-    pub(super) fn new(profile: Profile) -> VirtualImage {
+    pub(crate) fn new(profile: Profile) -> VirtualImage {
         let image = |area| Image::new(profile.address_limits().bits(area));
         VirtualImage { inputs: image(Area::Input), outputs: image(Area::Output) }
     }
 
     /// Sets every bit to 0.
-    pub(super) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.inputs.clear();
         self.outputs.clear();
     }
 
     /// Inputs -> %I; whether that changed.
     #[inline]
-    pub(super) fn to_inputs(&self, shared: &SharedBytes, memory: &mut Memory) -> bool {
+    pub(crate) fn to_inputs(&self, shared: &SharedBytes, memory: &mut Memory) -> bool {
         let bytes = self.inputs.bytes();
         let put = |(at, mask): &(usize, u8)| {
             memory.set_input_bits(*at, *mask, bytes.get(*at).copied().unwrap_or(0))
@@ -78,7 +77,7 @@ impl VirtualImage {
 
     /// %Q -> outputs.
     #[inline]
-    pub(super) fn take_outputs(&mut self, shared: &SharedBytes, memory: &Memory) {
+    pub(crate) fn take_outputs(&mut self, shared: &SharedBytes, memory: &Memory) {
         let bytes = self.outputs.bytes_mut();
         for (at, mask) in &shared.outputs {
             if let Some(byte) = bytes.get_mut(*at) {
@@ -91,16 +90,15 @@ impl VirtualImage {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use profile::IoChannel;
 
-    fn channels(texts: &[&str]) -> Vec<ModuleChannel> {
-        texts.iter().map(|text| ModuleChannel::new(IoChannel::Input(0), text.parse().unwrap())).collect()
+    fn places(texts: &[&str]) -> impl Iterator<Item = Address> {
+        texts.iter().map(|text| text.parse().unwrap())
     }
 
     #[test]
     fn bits_and_words_become_bytes_with_masks() {
-        let all = channels(&["%IX3.6", "%IX3.7", "%IX4.0", "%IW4", "%QX2.1", "%QW2"]);
-        let shared = SharedBytes::of(all.iter(), |address| address != "%IX3.6".parse().unwrap());
+        let all = places(&["%IX3.6", "%IX3.7", "%IX4.0", "%IW4", "%QX2.1", "%QW2"]);
+        let shared = SharedBytes::of(all, |address| address != "%IX3.6".parse().unwrap());
         assert_eq!(shared.inputs, [(3, 0x80), (4, 0x01), (8, 0xFF), (9, 0xFF)]);
         assert_eq!(shared.outputs, [(2, 0x02), (4, 0xFF), (5, 0xFF)]);
     }
@@ -110,8 +108,7 @@ mod tests {
         let mut memory = Memory::new(Profile::default());
         let mut image = VirtualImage::new(Profile::default());
         image.inputs.bytes_mut()[3] = 0xFF;
-        let all = channels(&["%IX3.6", "%QX2.1"]);
-        let shared = SharedBytes::of(all.iter(), |_| true);
+        let shared = SharedBytes::of(places(&["%IX3.6", "%QX2.1"]), |_| true);
         assert!(image.to_inputs(&shared, &mut memory));
         assert!(!image.to_inputs(&shared, &mut memory), "nothing is new");
         assert_eq!(memory.load("%IB3".parse().unwrap()), 0x40);

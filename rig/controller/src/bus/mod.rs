@@ -8,21 +8,27 @@
 //! until something starts it again (io:ERR-06, io:ERR-07); under passive handling, which is that of 2014, the exchange with the
 //! others goes on (io:ERR-09).
 
+mod analogue;
 mod digital;
 mod exchange;
-mod image;
+pub(crate) mod image;
+mod internal_status;
 mod start;
 
 pub use start::{BusStart, ConfiguredPosition, ExtraModules, PositionState, compare_modules};
 
+use crate::analogue::AnalogueModule;
 use crate::config::Config;
 use crate::memory::Memory;
 use crate::module::{IoModule, Sharing};
 use digital::DigitalModule;
 use exchange::Exchange;
 use image::{SharedBytes, VirtualImage};
-use profile::{ModuleFamily, ModuleState, Profile, Tm3BusState, module_indices};
-use signal::{Image, Time};
+use profile::{
+    ChannelStatus, ConfiguredModule, ModuleAddresses, ModuleFamily, ModuleKind, ModuleState, Profile,
+    Tm3BusState, module_indices,
+};
+use signal::{Address, Image, Time};
 
 /// A module as the bus sees it.
 pub(crate) trait BusModule: IoModule {
@@ -34,6 +40,30 @@ pub(crate) trait BusModule: IoModule {
 
     /// Its outputs are switched to 0 at `now`, by the module itself.
     fn clear(&mut self, now: Time);
+
+    /// The status of a channel, inputs before outputs, as it is at `now` or was read last; none beyond its last channel and of a
+    /// module without such a table (plcsystem:FUN-90, plcsystem:FUN-91).
+    fn internal_status(&mut self, _now: Time, _channel: usize) -> Option<ChannelStatus> {
+        None
+    }
+
+    /// What it has in %I beside its channels.
+    fn status_bytes(&self) -> &[Address] {
+        &[]
+    }
+}
+
+/// The model of a module that is configured so, with this number.
+fn model(
+    number: usize,
+    configured: &ConfiguredModule<'_>,
+    addresses: &ModuleAddresses,
+    worst_case: bool,
+) -> Box<dyn BusModule> {
+    match configured.module.kind {
+        ModuleKind::Analogue => Box::new(AnalogueModule::new(configured, addresses)),
+        _ => Box::new(DigitalModule::new(number, configured.module, addresses, worst_case)),
+    }
 }
 
 /// A configured module on the bus.
@@ -45,6 +75,14 @@ struct Position {
     found: Option<u8>,
     module: Box<dyn BusModule>,
     exchange: Exchange,
+}
+
+impl Position {
+    /// What the module has in the images.
+    fn places(&self) -> impl Iterator<Item = Address> {
+        let channels = self.module.channels().iter().map(|channel| channel.address);
+        channels.chain(self.module.status_bytes().iter().copied())
+    }
 }
 
 /// The bus with the configured modules.
@@ -86,16 +124,11 @@ impl ExpansionBus {
                     optional: configured.optional,
                 },
                 found: None,
-                module: Box::new(DigitalModule::new(
-                    first + place,
-                    configured.module,
-                    &addresses,
-                    config.worst_case,
-                )),
+                module: model(first + place, configured, &addresses, config.worst_case),
                 exchange: Exchange::new(configured.module.family == ModuleFamily::Tm3),
             })
             .collect();
-        let all = SharedBytes::of(positions.iter().flat_map(|it| it.module.channels()), |_| true);
+        let all = SharedBytes::of(positions.iter().flat_map(Position::places), |_| true);
         ExpansionBus {
             positions,
             image: VirtualImage::new(config.profile),
@@ -122,8 +155,8 @@ impl ExpansionBus {
 
     /// Learns which task of a new application uses which channels.
     pub(crate) fn share(&mut self, sharing: &Sharing<'_>) {
-        let channels = || self.positions.iter().flat_map(|it| it.module.channels());
-        let of = |rank| SharedBytes::of(channels(), |address| sharing.exchanges(rank, address));
+        let places = || self.positions.iter().flat_map(Position::places);
+        let of = |rank| SharedBytes::of(places(), |address| sharing.exchanges(rank, address));
         self.shared = (0..sharing.tasks()).map(of).collect();
         self.bus_cycle = sharing.bus_cycle();
     }

@@ -23,7 +23,8 @@ use signal::Span;
 
 /// Whether there is a model of such a module.
 pub fn is_module_modelled(module: &ModuleType) -> bool {
-    module.kind.is_link() || module.is_on_bus() && module.kind == ModuleKind::Digital
+    module.kind.is_link()
+        || module.is_on_bus() && matches!(module.kind, ModuleKind::Digital | ModuleKind::Analogue)
 }
 
 /// The configuration of a controller. The place of a task in `tasks` is its number everywhere.
