@@ -39,7 +39,7 @@ pub struct ChannelSpec {
     pub senses: bool,
     /// What it is driven to at the start and by the safe state; [`Value::HighZ`] for not at all.
     pub safe: Value,
-    /// What it reads while nobody drives it; without effect on an analog channel, which then reads 0.
+    /// What it reads while nobody drives it. An analog channel reads 0 but with [`Pull::None`].
     pub pull: Pull,
 }
 
@@ -47,11 +47,16 @@ impl ChannelSpec {
     /// The channel that a simulated board has for a terminal that its file says nothing of: digital for a bit, with a pull
     /// for an input, and analog for more.
     pub(crate) fn default_of(name: String, address: Address) -> ChannelSpec {
-        let pull = if address.area() == Area::Input { Pull::Down } else { Pull::None };
         match address.size() {
-            Size::Bit => ChannelSpec::digital(name, pull),
+            Size::Bit => ChannelSpec::digital_at(name, address),
             _ => ChannelSpec::analog(name, ""),
         }
+    }
+
+    /// The digital channel of a terminal that the file says nothing of, with a pull for an input.
+    pub(crate) fn digital_at(name: String, address: Address) -> ChannelSpec {
+        let pull = if address.area() == Area::Input { Pull::Down } else { Pull::None };
+        ChannelSpec::digital(name, pull)
     }
 
     /// A digital channel that is driven and sensed, let go when safe.
@@ -69,7 +74,7 @@ impl ChannelSpec {
             drives: true,
             senses: true,
             safe: Value::HighZ,
-            pull: Pull::None,
+            pull: Pull::Down,
         }
     }
 }

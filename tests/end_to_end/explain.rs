@@ -49,6 +49,7 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("B0213", "a machine with a counter"),
     ("B0214", "a machine with a counter"),
     ("B023", "a machine that lacks something"),
+    ("B0312", "a plan with modules"),
     ("S0107", "64 brackets"),
     ("S0501", "4 MiB of sources"),
     ("S0504", "a chain of 64 blocks"),

@@ -108,7 +108,11 @@ impl<'t> Bench<'t> {
         self.check_outputs(&places, out);
         for Binding { address, channel } in &self.file.bind {
             let at = usize::from(channel.0);
-            if address.area() == Area::Output && self.written[at].as_ref().is_some_and(|(_, pull)| !pull) {
+            let is_level = address.size() == Size::Bit;
+            if is_level
+                && address.area() == Area::Output
+                && self.written[at].as_ref().is_some_and(|(_, pull)| !pull)
+            {
                 self.file.circuit.channels[at].pull = Pull::None;
             }
         }

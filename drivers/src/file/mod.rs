@@ -40,7 +40,7 @@ pub use control::{ControlSettings, OnDisconnect};
 pub use delays::ChannelDelay;
 pub use guard::{Bite, GuardSettings, WatchdogSettings};
 pub use keys::KEYS;
-pub use modules::ModuleTerminal;
+pub use modules::{ModuleTerminal, ModuleTerminalKind};
 pub use ports::{PortBinding, SubjectPort, SubjectPortKind};
 pub use read::read;
 pub use statements::Statement;

@@ -1,66 +1,111 @@
-//! Terminals of expansion modules on a board: a channel has the name of its terminal.
+//! Terminals of modules on a board: a channel has the name of its terminal.
 
 use document::Diagnostic;
-use signal::{Address, Area, Size};
+use signal::{Address, Area, Unit};
 
 use super::{Binding, BoardFile, codes};
-use crate::circuit::{ChannelSpec, MAX_PARTS};
+use crate::circuit::{ChannelSpec, MAX_PARTS, Pull};
 use crate::{ChannelId, ChannelKind};
 
-/// A terminal of an expansion module.
+/// A terminal of an expansion module or a cartridge.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ModuleTerminal {
     /// The name of its channel: `M1.I0` is the first input of the first module.
     pub name: String,
     /// Its place in the images.
     pub address: Address,
+    /// What it carries.
+    pub kind: ModuleTerminalKind,
+}
+
+/// What a terminal of a module carries.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ModuleTerminalKind {
+    /// A level.
+    Level,
+    /// A number in this unit.
+    Number(Unit),
 }
 
 impl BoardFile {
     /// Binds terminals of modules to the channels that have their names. A simulated board gets a channel of its own for each
-    /// other one, digital for a bit and analog for more; on a real board such a terminal is open.
+    /// other one, digital for a level and analog for a number; on a real board such a terminal is open.
+    ///
+    /// An analog channel at such a terminal reads [`Value::HighZ`](signal::Value::HighZ) while nobody drives it, but for a current:
+    /// an open loop carries 0 mA.
     ///
     /// # Errors
-    /// `B0305` for each channel of the file that does not suit its terminal.
+    /// `B0305` or `B0312` for each channel of the file that does not suit its terminal.
     pub fn bind_modules(&mut self, terminals: &[ModuleTerminal]) -> Result<(), Vec<Diagnostic>> {
         let mut wrong = Vec::new();
-        for ModuleTerminal { name, address } in terminals {
-            let channel = match self.find(name) {
+        for terminal in terminals {
+            let channel = match self.find(&terminal.name) {
                 Some(channel) => {
-                    wrong.extend(self.misfit(name, *address, channel));
+                    wrong.extend(self.misfit(terminal, channel));
                     channel
                 }
                 None if self.is_real() || self.circuit.channels.len() >= MAX_PARTS => continue,
                 None => {
                     let Ok(place) = u16::try_from(self.circuit.channels.len()) else { continue };
-                    self.circuit.channels.push(ChannelSpec::default_of(name.clone(), *address));
+                    self.circuit.channels.push(channel_of(terminal));
                     ChannelId(place)
                 }
             };
-            self.bind.push(Binding { address: *address, channel });
+            if let ModuleTerminalKind::Number(unit) = &terminal.kind {
+                let carries_current = *unit == Unit::new("mA");
+                let pull = if carries_current { Pull::Down } else { Pull::None };
+                self.circuit.channels[usize::from(channel.0)].pull = pull;
+            }
+            self.bind.push(Binding { address: terminal.address, channel });
         }
         self.bind.sort_by_key(|binding| binding.address);
         if wrong.is_empty() { Ok(()) } else { Err(wrong) }
     }
 
     /// What is wrong with a channel of the file at this terminal.
-    fn misfit(&self, name: &str, address: Address, channel: ChannelId) -> Option<Diagnostic> {
-        let spec = &self.circuit.channels[usize::from(channel.0)];
-        let (is, kind) = match (address.size(), &spec.kind) {
-            (Size::Bit, ChannelKind::Digital)
-            | (Size::Byte | Size::Word | Size::Double | Size::Long, ChannelKind::Analog { .. }) => {
-                return None;
-            }
+    fn misfit(&self, terminal: &ModuleTerminal, channel: ChannelId) -> Option<Diagnostic> {
+        let ModuleTerminal { name, address, kind } = terminal;
+        let refused = |code, message: String, help: String| {
+            Some(Diagnostic::error(code, message).at(&self.name, 0..0, "").help(help))
+        };
+        let (is, wanted) = match (kind, &self.circuit.channels[usize::from(channel.0)].kind) {
+            (ModuleTerminalKind::Level, ChannelKind::Digital) => return None,
             // The terminal makes a level of a voltage.
-            (Size::Bit, ChannelKind::Analog { unit }) if unit == "V" && address.area() == Area::Input => {
+            (ModuleTerminalKind::Level, ChannelKind::Analog { unit })
+                if unit == "V" && address.area() == Area::Input =>
+            {
                 return None;
             }
-            (Size::Bit, _) => ("a level", "digital"),
-            _ => ("a number", "analog"),
+            (ModuleTerminalKind::Level, _) => ("a level", "digital"),
+            (ModuleTerminalKind::Number(wanted), ChannelKind::Analog { unit }) => {
+                if Unit::new(unit) == *wanted {
+                    return None;
+                }
+                let has = if unit.is_empty() { "no unit" } else { unit };
+                let message = format!(
+                    "the terminal {address} of a module is in {wanted}, the channel `{name}` has {has}"
+                );
+                let help =
+                    format!("describe it with unit = \"{wanted}\", or choose another mode in the plan");
+                return refused(codes::MODULE_UNIT, message, help);
+            }
+            (ModuleTerminalKind::Number(_), _) => ("a number", "analog"),
         };
         let message =
             format!("the terminal {address} of a module is {is}, the channel `{name}` carries none");
-        let help = format!("describe it with kind = \"{kind}\", or give it another name");
-        Some(Diagnostic::error(codes::BINDING, message).at(&self.name, 0..0, "").help(help))
+        refused(
+            codes::BINDING,
+            message,
+            format!("describe it with kind = \"{wanted}\", or give it another name"),
+        )
+    }
+}
+
+/// The channel of a terminal that the file says nothing of.
+fn channel_of(terminal: &ModuleTerminal) -> ChannelSpec {
+    let name = terminal.name.clone();
+    match &terminal.kind {
+        ModuleTerminalKind::Level => ChannelSpec::digital_at(name, terminal.address),
+        ModuleTerminalKind::Number(unit) => ChannelSpec::analog(name, unit.to_string()),
     }
 }

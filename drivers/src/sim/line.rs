@@ -138,7 +138,7 @@ impl Line {
         match (self.level, self.digital, self.pull) {
             (Value::HighZ, true, Pull::Up) => Value::Bool(true),
             (Value::HighZ, true, Pull::Down) => Value::Bool(false),
-            (Value::HighZ, false, _) => Value::Real(0.0),
+            (Value::HighZ, false, Pull::Up | Pull::Down) => Value::Real(0.0),
             (level, ..) => level,
         }
     }

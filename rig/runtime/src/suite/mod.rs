@@ -16,14 +16,14 @@ use crate::suite::case_files::{CaseFiles, OtherProgram};
 pub use crate::suite::file_source::{Disk, FileSource, beside, load, load_program};
 use document::{Diagnostic, SourceFile};
 use drivers::file::{
-    BoardFile, ModuleTerminal, Subject as BoardSubject, SubjectPort, SubjectPortKind, Terminals,
-    UnknownSubject, read as read_board,
+    BoardFile, ModuleTerminal, ModuleTerminalKind, Subject as BoardSubject, SubjectPort, SubjectPortKind,
+    Terminals, UnknownSubject, read as read_board,
 };
 use plans::plan::{GlobalChecks, PlanText};
 use plans::steps::ProgramRef;
 use plans::steps::Stimulus;
 use plans::{Case, Plan};
-use profile::{ConfiguredModule, PortKind, Profile, Reference, SerialMedia};
+use profile::{AnalogueMode, ChannelAddresses, ConfiguredModule, PortKind, Profile, Reference, SerialMedia};
 use signal::{Address, Area};
 use std::ops::Range;
 use std::sync::Arc;
@@ -54,22 +54,29 @@ fn terminals_of(reference: &'static Reference) -> Terminals {
 }
 
 /// The terminals of modules: `M2.Q0` is the first output of the second module of the list. A list that the controller refuses has
-/// none; whoever configures the controller reports why.
+/// none; whoever configures the controller reports why. Analogue channels that are not used have none either.
 fn module_terminals(reference: &'static Reference, modules: &[ConfiguredModule<'_>]) -> Vec<ModuleTerminal> {
     let places = reference.module_addresses(modules).unwrap_or_default();
     let mut terminals = Vec::new();
-    for (number, place) in (1..).zip(&places) {
-        for (letter, channels) in [
-            ("I", place.digital_inputs),
-            ("IW", place.analogue_inputs),
-            ("Q", place.digital_outputs),
-            ("QW", place.analogue_outputs),
-        ] {
-            let channels = channels.into_iter().flat_map(|all| all.iter()).enumerate();
-            let name = |channel| format!("M{number}.{letter}{channel}");
-            terminals
-                .extend(channels.map(|(channel, address)| ModuleTerminal { name: name(channel), address }));
-        }
+    for ((number, configured), place) in (1..).zip(modules).zip(&places) {
+        let mut add = |letter,
+                       channels: Option<ChannelAddresses>,
+                       kind: &dyn Fn(usize) -> Option<ModuleTerminalKind>| {
+            for (channel, address) in channels.into_iter().flat_map(|all| all.iter()).enumerate() {
+                let Some(kind) = kind(channel) else { continue };
+                terminals.push(ModuleTerminal {
+                    name: format!("M{number}.{letter}{channel}"),
+                    address,
+                    kind,
+                });
+            }
+        };
+        let level = |_| Some(ModuleTerminalKind::Level);
+        let number = |mode: &AnalogueMode| ModuleTerminalKind::Number(mode.unit.clone());
+        add("I", place.digital_inputs, &level);
+        add("IW", place.analogue_inputs, &|input| configured.input(input).map(|it| number(it.mode)));
+        add("Q", place.digital_outputs, &level);
+        add("QW", place.analogue_outputs, &|output| configured.output(output).map(|it| number(it.mode)));
     }
     terminals
 }
