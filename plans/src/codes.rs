@@ -87,6 +87,10 @@ document::codes! {
     UNKNOWN_FRAME = "P0677", "A frame that the plan does not name";
     MODULE = "P0678", "A module that the catalogue does not have";
     FUNCTION_KEY = "P0690", "A key that does not apply to this kind of expert function";
+    CHANNEL_MODE = "P0691", "A mode that an analogue channel does not have";
+    CHANNEL_PARAMETER = "P0692", "A parameter that an analogue channel cannot have";
+    CHANNEL_KEY = "P0693", "A key that does not apply to this kind of module or analogue channel";
+    TOO_MANY_CHANNELS = "P0694", "More analogue channels than the module has";
     GRID = "P0710", "A grid that jitter cannot be measured from";
     TRAIN = "P0711", "A pulse train whose direction cannot be described like this";
     SHAPE = "P0712", "A shape that no frequency has";

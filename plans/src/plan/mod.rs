@@ -1,5 +1,6 @@
 //! A plan and its concrete cases.
 
+mod analogue;
 mod build;
 mod check;
 mod envelope;

@@ -1,21 +1,31 @@
 //! `settings.modules`: the expansion modules and cartridges that the application is configured with (io: sections 9, 10).
 //!
 //! ```toml
-//! settings = { modules = ["TM3DI16", { type = "TM3DQ16T", optional = true }] }
+//! settings = { modules = ["TM3DI16", { type = "TM3AI4", inputs = [{ mode = "4..20 mA", min = 0, max = 10000 }] }] }
 //! ```
 //! What may stand where in the list is the controller's to say; here each is looked up in the catalogue.
 
 use std::ops::Range;
 
 use document::{Fields, Findings, KeySpec, KeyType, Node, suggest};
-use profile::ModuleType;
+use profile::{AnalogueInputSettings, AnalogueOutputSettings, ModuleType};
+use signal::Span;
 
+use super::analogue;
 use crate::codes;
 
 /// The keys of a module.
 const MODULE_KEYS: &[KeySpec] = &[
     KeySpec::required("type", KeyType::Text, "Its reference, as in TM3DI16."),
     KeySpec::optional("optional", KeyType::Bool, "Whether it may be missing on the bus; FALSE if left out."),
+    KeySpec::optional("inputs", analogue::INPUTS_TYPE, "Its analogue inputs, from the first on."),
+    KeySpec::optional("outputs", analogue::OUTPUTS_TYPE, "Its analogue outputs, from the first on."),
+    KeySpec::optional(
+        "status",
+        KeyType::Bool,
+        "Whether an analogue module has status bytes in %I; TRUE if left out.",
+    ),
+    KeySpec::optional("sampling", KeyType::Duration, "The time of a conversion for each channel in use."),
 ];
 
 /// A module: its reference alone, or a table.
@@ -28,12 +38,20 @@ pub(super) const MODULES_TYPE: KeyType = KeyType::List(&MODULE_TYPE);
 const MOST: usize = 32;
 
 /// What a plan says of a module.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ModuleSettings {
     /// What the catalogue says of its reference.
     pub module: &'static ModuleType,
     /// The parameter *Optional module* (io:OPT-01).
     pub optional: bool,
+    /// The parameter *Status Enabled*.
+    pub status: bool,
+    /// The time of a conversion, where the module has a choice.
+    pub sampling: Option<Span>,
+    /// Its analogue inputs from the first on; none for one that is not used.
+    pub inputs: Vec<Option<AnalogueInputSettings<'static>>>,
+    /// Its analogue outputs from the first on; none for one that is not used.
+    pub outputs: Vec<Option<AnalogueOutputSettings<'static>>>,
     /// Its bytes of the plan.
     pub place: Range<usize>,
 }
@@ -63,9 +81,26 @@ fn module(node: &Node, out: &mut Findings) -> Option<ModuleSettings> {
         out.bad(codes::MODULE, reference, format!("the catalogue has no module `{name}`"), help);
         return None;
     };
-    Some(ModuleSettings {
+    let mut settings = ModuleSettings {
         module,
-        optional: fields.as_ref().and_then(|fields| fields.boolean("optional")).unwrap_or(false),
+        optional: false,
+        status: true,
+        sampling: None,
+        inputs: Vec::new(),
+        outputs: Vec::new(),
         place: reference.span.clone(),
-    })
+    };
+    if let Some(fields) = &fields {
+        if let Some(entry) = fields.entry("status").filter(|_| module.status_bytes() == 0) {
+            let message = format!("{name} has no status bytes");
+            let help = "remove `status`: only a module with analogue channels has it";
+            out.error(codes::CHANNEL_KEY, entry.key_span.clone(), message, help);
+        }
+        settings.optional = fields.boolean("optional").unwrap_or(false);
+        settings.status = fields.boolean("status").unwrap_or(true);
+        settings.sampling = analogue::sampling(fields, module, out);
+        settings.inputs = analogue::inputs(fields, module, out);
+        settings.outputs = analogue::outputs(fields, module, out);
+    }
+    Some(settings)
 }

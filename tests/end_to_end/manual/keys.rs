@@ -79,6 +79,13 @@ const TABLES: &[Said] = &[
     ("plans/settings", "Settings", "key of a task", Plan, &["settings.mast", "settings.tasks.*"]),
     ("plans/settings", "Expert functions", "key", Plan, &["settings.expert.*"]),
     ("plans/settings", "Expansion modules", "key", Plan, &["settings.modules.*"]),
+    (
+        "plans/settings",
+        "Expansion modules",
+        "key of a channel",
+        Plan,
+        &["settings.modules.*.inputs.*", "settings.modules.*.outputs.*"],
+    ),
     ("plans/signals", "Signals", "key", Plan, &["signals.*"]),
     ("plans/signals", "Recording", "key", Plan, &["signals.*"]),
     ("plans/steps", "Questions", "key", Plan, &["steps.*.ask"]),

@@ -27,7 +27,7 @@ pub(crate) fn configure(
     }
     if let Some(place) = modules.iter().position(|one| !is_module_modelled(one.module)) {
         let message = format!("the rig has no model of `{}` yet", modules[place].module.reference);
-        let help = "digital TM3 and TM2 modules, transmitter and receiver have one: leave the module out";
+        let help = "digital and analogue TM3 and TM2 modules, transmitter and receiver have one: leave the module out";
         return Err(refused(place, codes::MODULE_NOT_MODELLED, message, help));
     }
     if let Err(full) = reference.module_addresses(&modules) {
@@ -40,8 +40,12 @@ pub(crate) fn configure(
 /// The modules as they stand in the plan.
 pub(crate) fn configured(settings: &[ModuleSettings]) -> Vec<ConfiguredModule<'static>> {
     let one = |one: &ModuleSettings| ConfiguredModule {
+        module: one.module,
         optional: one.optional,
-        ..ConfiguredModule::new(one.module)
+        status_enabled: one.status,
+        sampling: one.sampling,
+        inputs: one.inputs.clone(),
+        outputs: one.outputs.clone(),
     };
     settings.iter().map(one).collect()
 }
