@@ -109,3 +109,51 @@ fn channel_of(terminal: &ModuleTerminal) -> ChannelSpec {
         ModuleTerminalKind::Number(unit) => ChannelSpec::analog(name, unit.to_string()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn terminal(name: &str, address: &str, unit: Option<&str>) -> ModuleTerminal {
+        let kind = match unit {
+            Some(unit) => ModuleTerminalKind::Number(Unit::new(unit)),
+            None => ModuleTerminalKind::Level,
+        };
+        ModuleTerminal { name: name.into(), address: address.parse().unwrap(), kind }
+    }
+
+    /// A board with one channel, bound to a terminal of its name.
+    fn bind(channel: ChannelSpec, terminal: ModuleTerminal) -> Result<BoardFile, &'static str> {
+        let mut board = BoardFile::default_for(&[], &[]);
+        board.circuit.channels.push(channel);
+        board.bind_modules(&[terminal]).map_err(|found| found[0].code)?;
+        Ok(board)
+    }
+
+    #[test]
+    fn a_channel_of_another_kind_or_unit_is_refused() {
+        let analog = |unit: &str| ChannelSpec::analog("M1.IW0", unit);
+        let wanted = |unit: &str| terminal("M1.IW0", "%IW2", Some(unit));
+        assert!(bind(analog("°C"), wanted("degC")).is_ok());
+        assert_eq!(bind(analog("V"), wanted("mA")).unwrap_err(), codes::MODULE_UNIT);
+        assert_eq!(bind(analog(""), wanted("V")).unwrap_err(), codes::MODULE_UNIT);
+        let digital = ChannelSpec::digital("M1.IW0", Pull::Down);
+        assert_eq!(bind(digital, wanted("V")).unwrap_err(), codes::BINDING);
+        let level = || terminal("M1.I0", "%IX4.0", None);
+        assert!(bind(ChannelSpec::analog("M1.I0", "V"), level()).is_ok());
+        assert_eq!(bind(ChannelSpec::analog("M1.I0", "mA"), level()).unwrap_err(), codes::BINDING);
+    }
+
+    #[test]
+    fn what_nobody_drives_is_no_number_but_for_a_current() {
+        for (unit, pull) in [("V", Pull::None), ("degC", Pull::None), ("Ohm", Pull::None), ("mA", Pull::Down)]
+        {
+            let described = bind(ChannelSpec::analog("M1.IW0", unit), terminal("M1.IW0", "%IW2", Some(unit)));
+            assert_eq!(described.unwrap().circuit.channels[0].pull, pull, "{unit}");
+            let mut board = BoardFile::default_for(&[], &[]);
+            board.bind_modules(&[terminal("M1.QW0", "%QW2", Some(unit))]).unwrap();
+            let own = &board.circuit.channels[0];
+            assert_eq!((own.name.as_str(), own.pull), ("M1.QW0", pull), "{unit}");
+        }
+    }
+}
