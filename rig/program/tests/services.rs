@@ -7,7 +7,7 @@ use scanrig_program::{Service, StopReason};
 use signal::{Span, Time, Value};
 
 /// Every service with its call and what it is asked with.
-const CALLS: [(&str, Service, i64); 10] = [
+const CALLS: [(&str, Service, i64); 11] = [
     ("SysTaskWaitSleep(7)", Service::WaitSleep, 7),
     ("GetCurrentTaskCycle()", Service::GetTaskCycle, 0),
     ("SetCurrentTaskCycle(5000)", Service::SetTaskCycle, 5000),
@@ -15,6 +15,7 @@ const CALLS: [(&str, Service, i64); 10] = [
     ("BOOL_TO_INT(IsFirstMastColdCycle())", Service::FirstMastColdCycle, 0),
     ("BOOL_TO_INT(IsFirstMastWarmCycle())", Service::FirstMastWarmCycle, 0),
     ("BOOL_TO_INT(hasforcedio())", Service::HasForcedIo, 0),
+    ("LWORD_TO_LINT(__TM3_INTERNALSTATUS(513))", Service::ModuleInternalStatus, 513),
     ("GetRtc()", Service::GetRtc, 0),
     ("SetRTCDrift(-36, 1, 2, 3)", Service::SetRtcDrift, -36),
     ("InhibitBatLed(Inhibit := TRUE)", Service::InhibitBatteryLed, 1),

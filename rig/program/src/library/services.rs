@@ -1,7 +1,7 @@
 //! Functions that ask the controller: the machine stops at the call, and the caller of the machine answers.
 
 use super::{Accepts, Body, Function, Gives};
-use crate::types::Elementary::{self, Bool, Dint, Int, Sint, Udint, Usint};
+use crate::types::Elementary::{self, Bool, Dint, Int, Lword, Sint, Udint, Usint};
 
 /// What a program asks of the controller that runs it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -23,6 +23,10 @@ pub enum Service {
     FirstMastWarmCycle,
     /// `HasForcedIo()`: whether an input or output is forced (controller:STATE-03).
     HasForcedIo,
+    /// What `TM3_GetModuleInternalStatus` asks (io:DIAG-06), with the index of a module in TM3_MODULE_R, the first status byte and how
+    /// many, eight bits each from the lowest on. The answer is the code of an error in the lowest eight bits, then four bits for each
+    /// status byte.
+    ModuleInternalStatus,
     /// `GetRtc()`: seconds since 1970-01-01 00:00 UTC (controller:DEV-22).
     GetRtc,
     /// `SetRTCDrift(RtcDrift, Day, Hour, Minute)`: corrects the clock by so many seconds a week (controller:DEV-22).
@@ -41,6 +45,12 @@ pub(super) const FUNCTIONS: &[Function] = &[
     service("ISFIRSTMASTCOLDCYCLE", &[], Bool, Service::FirstMastColdCycle),
     service("ISFIRSTMASTWARMCYCLE", &[], Bool, Service::FirstMastWarmCycle),
     service("HASFORCEDIO", &[], Bool, Service::HasForcedIo),
+    service(
+        "__TM3_INTERNALSTATUS",
+        &[("REQUEST", Accepts::Exact(Udint))],
+        Lword,
+        Service::ModuleInternalStatus,
+    ),
     service("GETRTC", &[], Dint, Service::GetRtc),
     service(
         "SETRTCDRIFT",

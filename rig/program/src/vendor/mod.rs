@@ -10,6 +10,7 @@ const LIBRARIES: &[(&str, &str, &[&str])] = &[
         include_str!("memory.st"),
         &["MEMCPY", "MEMMOVE", "MEMSET", "MEMCMP", "SYSMEMCPY", "SYSMEMMOVE", "SYSMEMSET", "SYSMEMCMP"],
     ),
+    ("(library) tm3.st", include_str!("tm3.st"), &["TM3_GETMODULEINTERNALSTATUS"]),
     (
         "(library) any.st",
         include_str!("any.st"),
@@ -34,7 +35,7 @@ pub(crate) fn needed(sources: &[SourceFile]) -> Vec<SourceFile> {
     for source in sources {
         for word in source.text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_') {
             // No name is shorter or longer.
-            if !(3..=10).contains(&word.len()) {
+            if !(3..=27).contains(&word.len()) {
                 continue;
             }
             for ((_, _, names), found) in LIBRARIES.iter().zip(&mut found) {

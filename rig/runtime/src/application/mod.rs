@@ -420,6 +420,7 @@ const fn call_of(service: program::Service) -> SystemCall {
         program::Service::FirstMastColdCycle => SystemCall::FirstMastColdCycle,
         program::Service::FirstMastWarmCycle => SystemCall::FirstMastWarmCycle,
         program::Service::HasForcedIo => SystemCall::HasForcedIo,
+        program::Service::ModuleInternalStatus => SystemCall::ModuleInternalStatus,
         program::Service::GetRtc => SystemCall::GetRtc,
         program::Service::SetRtcDrift => SystemCall::SetRtcDrift,
         program::Service::InhibitBatteryLed => SystemCall::InhibitBatteryLed,

@@ -327,6 +327,8 @@ impl StandaloneRun {
             }
             Service::FirstMastCycle | Service::FirstMastColdCycle => i64::from(turn.first),
             Service::FirstMastWarmCycle | Service::HasForcedIo | Service::InhibitBatteryLed => 0,
+            // TM3_ERR_PARAMETER: there is no module.
+            Service::ModuleInternalStatus => 2,
             Service::GetRtc => self.rtc.seconds(self.now),
             Service::SetRtcDrift => self.rtc.set_drift(argument, self.profile, self.now),
         };
