@@ -12,6 +12,7 @@ mod analogue;
 mod application;
 mod boot;
 mod bus;
+mod cartridge;
 mod clocks;
 mod command;
 mod config;

@@ -1,11 +1,12 @@
 //! The list of the controller's modules.
 
 use crate::bus::ExpansionBus;
+use crate::cartridge::Cartridge;
 use crate::config::{Config, OutputsInStop};
 use crate::memory::Memory;
 use crate::module::{IoModule, TaskModule};
 use crate::state::State;
-use profile::{IoChannel, IoStatus};
+use profile::{IoChannel, IoStatus, ModuleFamily};
 use signal::{Cause, Time};
 
 /// The modules after the embedded I/O: those that tasks exchange, then those on the bus in the order of the configuration.
@@ -19,7 +20,16 @@ pub(crate) struct Modules {
 }
 
 impl Modules {
-    pub(crate) fn new(config: &Config, list: Vec<Box<dyn TaskModule>>) -> Modules {
+    /// The modules of a configuration that was found right: its cartridges, then those of the list.
+    pub(crate) fn new(config: &Config, others: Vec<Box<dyn TaskModule>>) -> Modules {
+        let places = config.reference.module_addresses(&config.modules).unwrap_or_default();
+        let cartridges =
+            config.modules.iter().zip(&places).filter(|(one, _)| one.module.family == ModuleFamily::Tmc4);
+        let mut list: Vec<Box<dyn TaskModule>> = Vec::new();
+        for (configured, addresses) in cartridges {
+            list.push(Box::new(Cartridge::new(configured, addresses, config.profile)));
+        }
+        list.extend(others);
         let bus = ExpansionBus::new(config, 1 + list.len());
         Modules { list, bus, at_defaults: false }
     }

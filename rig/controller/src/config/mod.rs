@@ -23,8 +23,14 @@ use signal::Span;
 
 /// Whether there is a model of such a module.
 pub fn is_module_modelled(module: &ModuleType) -> bool {
-    module.kind.is_link()
-        || module.is_on_bus() && matches!(module.kind, ModuleKind::Digital | ModuleKind::Analogue)
+    let channels = [&module.analogue_inputs, &module.analogue_outputs];
+    match module.kind {
+        ModuleKind::Transmitter | ModuleKind::Receiver => true,
+        ModuleKind::Digital => module.is_on_bus(),
+        // Of load cells nobody knows a mode.
+        ModuleKind::Analogue => channels.into_iter().flatten().any(|channels| !channels.modes.is_empty()),
+        ModuleKind::Expert | ModuleKind::Safety | ModuleKind::Communication => false,
+    }
 }
 
 /// The configuration of a controller. The place of a task in `tasks` is its number everywhere.

@@ -27,7 +27,7 @@ pub(crate) fn configure(
     }
     if let Some(place) = modules.iter().position(|one| !is_module_modelled(one.module)) {
         let message = format!("the rig has no model of `{}` yet", modules[place].module.reference);
-        let help = "digital and analogue TM3 and TM2 modules, transmitter and receiver have one: leave the module out";
+        let help = "digital and analogue TM3 and TM2 modules, cartridges with known modes, transmitter and receiver have one: leave the module out";
         return Err(refused(place, codes::MODULE_NOT_MODELLED, message, help));
     }
     if let Err(full) = reference.module_addresses(&modules) {
