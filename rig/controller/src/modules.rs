@@ -9,6 +9,18 @@ use crate::state::State;
 use profile::{IoChannel, IoStatus, ModuleFamily};
 use signal::{Cause, Time};
 
+/// Which outputs of modules take their default values when initialization values are over (controller:OUT-05, controller:OUT-06).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum DefaultedOutputs {
+    /// None.
+    #[default]
+    None,
+    /// Those that nobody wrote, as the initial value of a variable does.
+    Unwritten,
+    /// Every one.
+    All,
+}
+
 /// The modules after the embedded I/O: those that tasks exchange, then those on the bus in the order of the configuration.
 #[derive(Debug)]
 pub(crate) struct Modules {
@@ -17,6 +29,8 @@ pub(crate) struct Modules {
     pub(crate) bus: ExpansionBus,
     /// At each update in STOPPED and HALT their outputs are set to their default values.
     at_defaults: bool,
+    /// What becomes of them at the end of initialization values.
+    defaulted: DefaultedOutputs,
 }
 
 impl Modules {
@@ -31,7 +45,7 @@ impl Modules {
         }
         list.extend(others);
         let bus = ExpansionBus::new(config, 1 + list.len());
-        Modules { list, bus, at_defaults: false }
+        Modules { list, bus, at_defaults: false, defaulted: DefaultedOutputs::None }
     }
 
     /// Each module that tasks exchange, first the embedded I/O.
@@ -74,17 +88,36 @@ impl Modules {
 
     /// %Q of their outputs is no longer set to anything: there is another application, or none.
     pub(crate) fn forget_fallback(&mut self) {
-        self.at_defaults = false;
+        (self.at_defaults, self.defaulted) = (false, DefaultedOutputs::None);
+    }
+
+    /// Initialization values show from now on; these outputs take their default values after them.
+    pub(crate) fn begin_initialization(&mut self, defaulted: DefaultedOutputs) {
+        self.defaulted = defaulted;
+    }
+
+    /// Initialization values are over; whether %Q changed.
+    pub(crate) fn end_initialization(&mut self, memory: &mut Memory) -> bool {
+        match std::mem::take(&mut self.defaulted) {
+            DefaultedOutputs::None => false,
+            DefaultedOutputs::Unwritten => {
+                self.set_defaults(memory, |bit, memory| memory.writer(bit) == Cause::Unknown)
+            }
+            DefaultedOutputs::All => self.set_defaults(memory, |_, _| true),
+        }
     }
 
     /// Sets %Q of their outputs to what [`Modules::fall_back`] said; whether it changed.
     pub(crate) fn set_stop_image(&self, memory: &mut Memory) -> bool {
-        if !self.at_defaults {
-            return false;
-        }
+        self.at_defaults && self.set_defaults(memory, |_, _| true)
+    }
+
+    /// Sets %Q of the outputs whose first bit is meant to their default values; whether it changed.
+    fn set_defaults(&self, memory: &mut Memory, is_meant: impl Fn(usize, &Memory) -> bool) -> bool {
         let mut changed = false;
         for channel in self.others().flat_map(|module| module.channels()) {
-            if matches!(channel.channel, IoChannel::Output(_)) {
+            let is_output = matches!(channel.channel, IoChannel::Output(_));
+            if is_output && is_meant(channel.address.bit_offset() as usize, memory) {
                 changed |= memory.load(channel.address) != channel.default;
                 memory.set_cause(Cause::Controller);
                 memory.store(channel.address, channel.default);

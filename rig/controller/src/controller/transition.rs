@@ -2,6 +2,7 @@
 
 use super::Controller;
 use crate::last_state::{Dates, LastState};
+use crate::modules::DefaultedOutputs;
 use crate::probes::class;
 use crate::{Application, Effect, Effects, HaltOutputs, LogEntry, OutputsInStop, State, TaskConfig};
 use profile::{
@@ -152,6 +153,11 @@ impl Controller {
             (true, _) => ChannelSet::EMPTY,
             (false, _) => all - self.memory.written_outputs(),
         };
+        self.modules.begin_initialization(match (old, state) {
+            (true, State::Stopped) => DefaultedOutputs::All,
+            (true, _) => DefaultedOutputs::None,
+            (false, _) => DefaultedOutputs::Unwritten,
+        });
         let first = if old { state == State::Stopped } else { beginning == ApplicationStart::Download };
         self.io.begin_initialization(now.saturating_add(OUTPUT_INITIALIZATION), defaults);
         match (first, old) {
@@ -169,6 +175,7 @@ impl Controller {
     pub(super) fn end_initialization(&mut self, now: Time, fx: &mut Effects) {
         let ended = self.io.end_initialization(self.config.outputs_in_stop, &mut self.memory);
         let Some(changed) = ended else { return };
+        let changed = self.modules.end_initialization(&mut self.memory) || changed;
         if changed {
             self.observe(class::MEMORY, now, Cause::Controller, fx);
         }
