@@ -190,6 +190,56 @@ fn waited(
     Some(verdict(scenario, &trace, stamp(end, off), error, &format!("{truth:?}")))
 }
 
+/// What a claim with one limit of time comes to is decided exactly where every clock decides the same: of a true time `t` such a
+/// clock shows from `t (1 - e)` to `t (1 + e)`.
+#[test]
+fn a_limit_is_met_by_every_clock_or_open_or_met_by_none() {
+    // The case starts at 0, and the line rises when the clock shows this, of a limit of 100 us at 1 %.
+    let judged = |claim: &str, shown: i64, error: u64| {
+        let mut trace = Trace::new();
+        for info in [
+            SignalInfo::exact("q", ValueKind::Bool),
+            SignalInfo::exact("step:start", ValueKind::Mark),
+            SignalInfo::exact("step:end", ValueKind::Mark),
+        ] {
+            trace.define(info).unwrap();
+        }
+        let events = [
+            (0, 0, Value::Bool(false)),
+            (0, 1, Value::Int(1)),
+            (shown, 0, Value::Bool(true)),
+            (2 * shown, 0, Value::Bool(false)),
+            (3 * shown, 0, Value::Bool(true)),
+            (1_000_000, 2, Value::Int(1)),
+        ];
+        for (at, signal, value) in events {
+            let at = When::exactly(Time::from_nanos(at));
+            trace.push(Event { signal: SignalId(signal), at, value, cause: Cause::Unknown }).unwrap();
+        }
+        let scenario = scenario(&format!("{{ {claim} }}"));
+        verdict(scenario, &trace, 1_000_000, ClockError::from_parts(error).unwrap(), claim)
+    };
+    let at_10_percent = |claim: &str, shown: i64| judged(claim, shown, 100_000_000_000);
+    use Verdict::{Fail, Inconclusive, Pass};
+    for claim in [
+        r#"rises = { signal = "q", within = "100 us" }"#,
+        r#"stays = { signal = "q", is = false, until = "start + 100 us" }"#,
+    ] {
+        let (early, late) = if claim.contains("rises") { (Pass, Fail) } else { (Fail, Pass) };
+        assert_eq!(at_10_percent(claim, 90_000 - i64::from(early == Fail)), early, "{claim}");
+        assert_eq!(at_10_percent(claim, 90_001), Inconclusive, "{claim}");
+        assert_eq!(at_10_percent(claim, 109_999), Inconclusive, "{claim}");
+        assert_eq!(at_10_percent(claim, 110_001), late, "{claim}");
+    }
+    let least = r#"pulse = { signal = "q", width = "100 us .." }"#;
+    let found = [89_999, 90_001, 109_999, 110_000].map(|shown| at_10_percent(least, shown));
+    assert_eq!(found, [Fail, Inconclusive, Inconclusive, Pass]);
+    // One period is two widths, and 10 kHz at most a period of 100 us at least.
+    let most = r#"frequency = { signal = "q", max = "10 kHz" }"#;
+    let found = [44_999, 45_001, 54_999, 55_001].map(|shown| at_10_percent(most, shown));
+    assert_eq!(found, [Fail, Inconclusive, Inconclusive, Pass]);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(6_000))]
 

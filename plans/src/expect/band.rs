@@ -9,7 +9,7 @@ use super::ReadContext;
 use super::condition::ValueCondition;
 use crate::codes;
 use crate::lang::Literal;
-use crate::monitor::{ClockLimits, Extent, Number, NumberLimits, ValueTest, distance};
+use crate::monitor::{ClockLimits, ClockedFigure, Extent, Number, NumberLimits, ValueTest, distance};
 
 /// The limits of a figure as a range.
 pub(super) const IS_RANGE: KeySpec = KeySpec::optional(
@@ -96,8 +96,8 @@ impl FigureBand {
     }
 
     /// The same of a time, or of what comes in a time, by a clock that may be off.
-    pub(super) fn by_clock(self, clock: ClockLimits) -> FigureBand {
-        FigureBand { limits: clock.figures(self.limits), ..self }
+    pub(super) fn by_clock(self, clock: ClockLimits, figure: ClockedFigure) -> FigureBand {
+        FigureBand { limits: clock.figures(self.limits, figure), ..self }
     }
 
     /// The same of how far edges stand off a grid of true time, which moves by what the clock is off in so many nanoseconds.

@@ -22,8 +22,8 @@ use crate::lang::{Anchor, millihertz};
 use crate::monitor::edges::CountedEdge;
 use crate::monitor::jitter::{Grid, Jitter, JitterQuery, JitterReference, JitterResult};
 use crate::monitor::{
-    CaseTimeline, ClockLimits, Finding, Monitor, NotJudged, Number, NumberLimits, PulseRule, TimedValue,
-    TraceSignals, UncertainWindow, slack,
+    CaseTimeline, ClockLimits, ClockedFigure, Finding, Monitor, NotJudged, Number, NumberLimits, PulseRule,
+    TimedValue, TraceSignals, UncertainWindow, slack,
 };
 
 /// What is compared.
@@ -219,7 +219,7 @@ impl Monitor for JitterMonitor {
         // A given grid is true time, against which the edges wander; any other is one of the same clock.
         claim.band = match claim.asked.grid {
             Some(_) => claim.band.by_true_grid(clock, found.wanders_over),
-            None => claim.band.by_clock(clock),
+            None => claim.band.by_clock(clock, ClockedFigure::Time),
         };
         finding(&claim, &info, &window, &found)
     }

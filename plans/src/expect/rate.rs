@@ -21,8 +21,8 @@ use super::{ClaimDemand, ExpectVerb, ReadContext, TraceClaim};
 use crate::lang::Anchor;
 use crate::monitor::cycles::{CycleResult, CycleSpan, Cycles};
 use crate::monitor::{
-    CaseTimeline, Extent, Finding, Monitor, NotJudged, Number, PulseRule, TimedValue, TraceSignals,
-    UncertainWindow, slack, widened,
+    CaseTimeline, ClockedFigure, Extent, Finding, Monitor, NotJudged, Number, PulseRule, TimedValue,
+    TraceSignals, UncertainWindow, slack, widened,
 };
 
 /// Which edges begin a cycle.
@@ -138,7 +138,7 @@ impl TraceClaim for Rate {
         let window = scene.window(&self.between.from, &self.between.until)?;
         // A part of the time is the same by every clock.
         let band = match self.kind {
-            RateKind::Frequency => self.band.clone().by_clock(scene.clock),
+            RateKind::Frequency => self.band.clone().by_clock(scene.clock, ClockedFigure::Rate),
             RateKind::Duty => self.band.clone(),
         };
         Ok(Box::new(RateMonitor {

@@ -15,8 +15,8 @@ use crate::meaning::{ToleranceBand, number};
 use crate::monitor::edges::{EdgeFinder, FirstEdge};
 use crate::monitor::reading::ValueReader;
 use crate::monitor::{
-    CaseTimeline, ClockLimits, Extent, NotJudged, Number, NumberLimits, TimedValue, UncertainInstant,
-    UnseenPulses, by_clock, slack, widened,
+    CaseTimeline, ClockLimits, ClockedFigure, Extent, NotJudged, Number, NumberLimits, TimedValue,
+    UncertainInstant, UnseenPulses, slack, true_figure, widened,
 };
 
 /// Limits as numbers, and as the record states them.
@@ -31,6 +31,8 @@ pub(super) struct LimitNumbers {
     guard: GuardBand,
     /// What the clock may be off that the figure depends on.
     clock: ClockError,
+    /// How it does.
+    clocked: ClockedFigure,
     /// Against a grid of true time: the time of which the figure is off by that part, nanoseconds.
     wanders_over: Option<i64>,
 }
@@ -84,7 +86,7 @@ impl LimitNumbers {
     /// A figure with what the clock may be off.
     fn by_clock(&self, (low, high): Extent) -> Extent {
         match self.wanders_over {
-            None => by_clock(self.clock, (low, high)),
+            None => true_figure(self.clock, (low, high), self.clocked),
             Some(_) if self.clock.is_none() => (low, high),
             Some(over) => {
                 let off = Number::Int(i128::from(self.clock.of(Span::from_nanos(over)).as_nanos()));
@@ -218,9 +220,9 @@ impl Gauge {
             Some(_) => GuardBand::Uncertainty,
             None => measurement.guard,
         });
-        let bounds = match measurement.quantity.depends_on_clock() {
-            true => LimitNumbers { clock: scene.clock.error, ..bounds },
-            false => bounds,
+        let bounds = match measurement.quantity.by_clock() {
+            Some(clocked) => LimitNumbers { clock: scene.clock.error, clocked, ..bounds },
+            None => bounds,
         };
         let record = MeasurementRecord {
             name: measurement.name.clone(),

@@ -29,7 +29,9 @@ use crate::lang::{Anchor, Literal};
 use crate::meaning::what_to_write;
 use crate::monitor::edges::CountedEdge;
 use crate::monitor::jitter::JitterQuery;
-use crate::monitor::{CaseTimeline, NotJudged, NumberLimits, PulseRule, TraceSignals, UnseenPulses};
+use crate::monitor::{
+    CaseTimeline, ClockedFigure, NotJudged, NumberLimits, PulseRule, TraceSignals, UnseenPulses,
+};
 
 pub use gauge::Gauge;
 pub(crate) use read::{GUARD, GUARDS, LIMITS, guard};
@@ -197,17 +199,22 @@ impl WindowFigure {
 }
 
 impl MeasuredQuantity {
-    /// Whether the figure is a time, or what comes in a time: no value, no count, and no part of a time.
-    fn depends_on_clock(&self) -> bool {
+    /// How the figure depends on the clock; a value, a count and a part of a time do not.
+    fn by_clock(&self) -> Option<ClockedFigure> {
         match self {
-            MeasuredQuantity::ToEdge { .. } | MeasuredQuantity::Profile { .. } => true,
+            MeasuredQuantity::ToEdge { .. } => Some(ClockedFigure::Time),
+            MeasuredQuantity::Profile { .. } => Some(ClockedFigure::Rate),
             // The true time between two instants is asked for as such, and so is that of a speed.
             MeasuredQuantity::Between { .. }
             | MeasuredQuantity::Value { .. }
-            | MeasuredQuantity::Position { .. } => false,
-            MeasuredQuantity::Over { figure, .. } => {
-                !matches!(figure, WindowFigure::Duty | WindowFigure::Value(_) | WindowFigure::Speed)
-            }
+            | MeasuredQuantity::Position { .. } => None,
+            MeasuredQuantity::Over { figure, .. } => match figure {
+                WindowFigure::Duty | WindowFigure::Value(_) | WindowFigure::Speed => None,
+                WindowFigure::Frequency => Some(ClockedFigure::Rate),
+                WindowFigure::Period(_) | WindowFigure::Width { .. } | WindowFigure::Jitter(_) => {
+                    Some(ClockedFigure::Time)
+                }
+            },
         }
     }
 

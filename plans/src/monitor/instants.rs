@@ -110,7 +110,7 @@ impl UncertainInstant {
     /// longer have an exact distance then.
     #[must_use]
     pub fn by_clock(self, error: ClockError) -> UncertainInstant {
-        let off = error.of(Span::from_nanos(self.offset)).as_nanos();
+        let off = error.of_true(Span::from_nanos(self.offset)).as_nanos();
         if off == 0 {
             return self;
         }

@@ -36,7 +36,7 @@ mod value_test;
 
 pub(crate) use anchors::Anchors;
 pub use clock_limits::ClockLimits;
-pub(crate) use clock_limits::{BothEnds, LimitEnd, by_clock};
+pub(crate) use clock_limits::{BothEnds, ClockedFigure, LimitEnd, true_figure};
 pub use finding::Finding;
 pub(crate) use finding::{clipped, span_margin};
 pub use instants::{TimedValue, UncertainInstant, UncertainWindow};

@@ -134,11 +134,8 @@ impl<'a> CaseTimeline<'a> {
         let base = |at: i64, point: &UncertainInstant| at.saturating_sub(point.offset);
         let least = base(until.a, &until).saturating_sub(base(from.b, &from));
         let most = base(until.b, &until).saturating_sub(base(from.a, &from));
-        let off = |length: i64| self.clock.error.of(Span::from_nanos(length)).as_nanos();
-        Ok((
-            least.saturating_sub(off(least)).saturating_add(offsets),
-            most.saturating_add(off(most)).saturating_add(offsets),
-        ))
+        let (least, most) = self.clock.error.true_times((least, most));
+        Ok((least.saturating_add(offsets), most.saturating_add(offsets)))
     }
 
     /// Place in the trace after which nothing counts.

@@ -77,7 +77,7 @@ impl PulseRule {
             None if info.kind == ValueKind::Bool => PulseLevel::Line,
             None => return None,
         };
-        let off = clock.of(longest);
+        let off = clock.of_true(longest);
         let limits = ((longest - off).as_nanos(), (longest + off).as_nanos());
         let filter = PulseFilter::new(level, limits, lag);
         let promised = matches!(info.policy, Policy::AtMostEvery(every) if every <= longest);

@@ -31,15 +31,37 @@ impl ClockError {
         self.0
     }
 
-    /// The part of what the clock shows that may be wrong, not less than it is.
-    pub fn part(self) -> f64 {
-        if self.is_none() { 0.0 } else { (self.0 as f64 / (PARTS - self.0) as f64).next_up() }
+    /// The part of a true time by which what the clock shows of it may be more or less, `e`; not less than it is.
+    pub fn part_of_true(self) -> f64 {
+        if self.is_none() { 0.0 } else { (self.0 as f64 / PARTS as f64).next_up() }
     }
 
-    /// How far a time that the clock showed may be off, either way, rounded up; at least 0. A clock that is fast by a part `e`
-    /// shows `1 + e` for each second, so of what it shows a part of at most `e / (1 - e)` is wrong.
+    /// The parts of what the clock shows by which the true time may be less, `e / (1 + e)`, and more, `e / (1 - e)`; not less than
+    /// they are.
+    pub fn parts_of_shown(self) -> (f64, f64) {
+        let part = |rest: u64| (self.0 as f64 / rest as f64).next_up();
+        if self.is_none() { (0.0, 0.0) } else { (part(PARTS + self.0), part(PARTS - self.0)) }
+    }
+
+    /// How far what the clock shows of a true time may be off, either way, rounded up; at least 0. A clock that is fast by a part
+    /// `e` shows `1 + e` for each second.
+    pub fn of_true(self, time: Span) -> Span {
+        self.part(time.as_nanos(), PARTS)
+    }
+
+    /// How far a time that the clock showed may be off, either way, rounded up; at least 0. It shows `1 + e` for each second, so
+    /// of what it shows a part of at most `e / (1 - e)` is wrong.
     pub fn of(self, shown: Span) -> Span {
         self.between(shown.as_nanos(), 0)
+    }
+
+    /// The true time between two stamps, at least and at most, where the clock showed it from `least` to `most`, nanoseconds.
+    pub fn true_times(self, (least, most): (i64, i64)) -> (i64, i64) {
+        let (fast, slow) = (PARTS + self.0, PARTS - self.0);
+        let off = |time: i64, rest: u64| self.part(time, rest).as_nanos();
+        let down = off(least, if least < 0 { slow } else { fast });
+        let up = off(most, if most < 0 { fast } else { slow });
+        (least.saturating_sub(down), most.saturating_add(up))
     }
 
     /// An instant as it may lie when the clock is off since `reference`, which itself may be anywhere in its interval.
@@ -58,10 +80,18 @@ impl ClockError {
 
     /// How far the time between two stamps may be off.
     fn between(self, one: i64, other: i64) -> Span {
-        let rate = i128::from(self.0);
-        let rest = i128::from(PARTS) - rate;
-        let distance = (i128::from(one) - i128::from(other)).abs();
-        i64::try_from((distance * rate + rest - 1) / rest).map_or(Span::MAX, Span::from_nanos)
+        self.part_of((i128::from(one) - i128::from(other)).abs(), PARTS - self.0)
+    }
+
+    fn part(self, time: i64, of: u64) -> Span {
+        self.part_of(i128::from(time).abs(), of)
+    }
+
+    /// The error's share, of so many parts, in a time of at least 0; rounded up.
+    fn part_of(self, time: i128, of: u64) -> Span {
+        let of = i128::from(of);
+        let part = (time * i128::from(self.0) + of - 1) / of;
+        i64::try_from(part).map_or(Span::MAX, Span::from_nanos)
     }
 }
 
@@ -88,6 +118,11 @@ mod tests {
         let latest = ppm.drifted(at(10 * S, 10 * S), at(0, 5 * S)).latest;
         assert_eq!(latest, Time::from_nanos(10 * S + 1_000_101));
         assert_eq!(ppm.of(Span::from_secs(10)), Span::from_nanos(1_000_101));
+        // 10 s / 1.0001 and 10 s / 0.9999.
+        assert_eq!(ppm.true_times((10 * S, 10 * S)), (9_999_000_099, 10_001_000_101));
+        assert_eq!(ppm.true_times((-10 * S, -10 * S)), (-10_001_000_101, -9_999_000_099));
+        assert_eq!(ppm.of_true(Span::from_secs(-10)), Span::from_nanos(1_000_000));
+        assert_eq!(ClockError::MAX.of_true(Span::MAX).as_nanos(), i64::MAX / 10 + 1);
         assert_eq!(ClockError::MAX.between(i64::MIN, i64::MAX), Span::from_nanos(2_049_638_230_412_172_402));
         assert_eq!(ClockError::from_parts(PARTS / 10 + 1), None);
         assert_eq!(ClockError::NONE.drifted(at(3, 4), at(0, 0)), at(3, 4));
@@ -101,6 +136,8 @@ mod tests {
             let shown = (i128::from(time) * (i128::from(PARTS) + parts) / i128::from(PARTS)) as i64;
             // What it shows is cut to a nanosecond.
             let known = ClockError(rate).drifted(at(shown, shown + 1), at(0, 0));
+            let off = (shown - time).abs();
+            prop_assert!(off <= ClockError(rate).of_true(Span::from_nanos(time)).as_nanos() + 1, "{off}");
             prop_assert!(known.earliest.as_nanos() <= time && time <= known.latest.as_nanos(), "{known:?}");
         }
 
