@@ -69,6 +69,9 @@ const CLAIMS: &[&str] = &[
     r#"{ stays = { signal = "n", is = 1, from = "a", until = "a + 3 ns" } }"#,
     PROMISES[0].0,
     PROMISES[1].0,
+    PROMISES[2].0,
+    PROMISES[3].0,
+    PROMISES[4].0,
     r#"{ never = { signal = "n", is = 2, from = "a" } }"#,
     r#"{ never = { all = ["q", "r"], from = "a" } }"#,
     r#"{ never = { all = ["q", "r"], pulses-longer-than = "3 ns" } }"#,
@@ -142,14 +145,33 @@ fn verdict(scenario: &Scenario, infos: &[SignalInfo], steps: &[Step]) -> Verdict
     outcome.verdict
 }
 
-/// A claim that states of the signal `n` that only pulses longer than so many nanoseconds matter, and at which of its values they are.
-type Promise = (&'static str, i64, fn(i64) -> bool);
+/// A claim that states of the signal `n` that only pulses longer than so many nanoseconds matter, and to which of its levels a value
+/// belongs.
+type Promise = (&'static str, i64, fn(i64) -> i64);
 
-const PROMISES: [Promise; 2] = [
-    (r#"{ stays = { signal = "n", max = 2, pulses-longer-than = "4 ns" } }"#, 4, |value| value <= 2),
-    (r#"{ never = { signal = "n", is = 2, from = "a", pulses-longer-than = "2 ns" } }"#, 2, |value| {
-        value == 2
+const PROMISES: [Promise; 5] = [
+    (r#"{ stays = { signal = "n", max = 2, pulses-longer-than = "4 ns" } }"#, 4, |value| {
+        i64::from(value <= 2)
     }),
+    (r#"{ never = { signal = "n", is = 2, from = "a", pulses-longer-than = "2 ns" } }"#, 2, |value| {
+        i64::from(value == 2)
+    }),
+    // Where a figure of the values is asked, or a change, each value has to last.
+    (
+        r#"{ name = "most", value-of = "n", take = "max", from = "a", until = "b", max = 2, pulses-longer-than = "4 ns" }"#,
+        4,
+        |value| value,
+    ),
+    (
+        r#"{ name = "mean", value-of = "n", take = "mean", from = "a", until = "b", max = 2, pulses-longer-than = "4 ns" }"#,
+        4,
+        |value| value,
+    ),
+    (
+        r#"{ changes = { signal = "n", from = "a", within = "3 ns .. 20 ns", pulses-longer-than = "3 ns" } }"#,
+        3,
+        |value| value,
+    ),
 ];
 
 /// Whether the signal `n` has no pulses so short that a claim says that there are none, where it is recorded at most every so
@@ -164,7 +186,7 @@ fn keeps_promise(text: &str, every: i64, steps: &[Step]) -> bool {
             if now.saturating_sub(since) <= *longest {
                 return false;
             }
-            (since, last) = (now, !last);
+            (since, last) = (now, level(*value));
         }
     }
     true
@@ -195,4 +217,25 @@ proptest! {
             prop_assert!(some == all || some == Verdict::Inconclusive, "{text}: {all:?}, then {some:?}");
         }
     }
+}
+
+/// A greatest value with the key is decided: 4 stands in the trace 2 ns after it came, and was not missed.
+#[test]
+fn a_figure_of_values_is_decided_where_no_value_was_too_short_to_be_recorded() {
+    let infos = infos(ValueKind::Int, [Policy::AtMostEvery(Span::from_nanos(4)), Policy::Changes]);
+    let steps = [(4, 5, 1), (0, 5, 3), (0, 2, 4), (0, 20, 1), (5, 3, 1)];
+    let of = |take: &str, limits: &str, key: &str| {
+        let text = format!(
+            r#"{{ name = "n", value-of = "n", take = "{take}", from = "a", until = "b", {limits}{key} }}"#
+        );
+        verdict(&scenario(&text), &infos, &steps)
+    };
+    let key = |nanos: i64| format!(", pulses-longer-than = \"{nanos} ns\"");
+    assert_eq!(of("max", "max = 4", &key(4)), Verdict::Pass);
+    assert_eq!(of("max", "max = 3", &key(5)), Verdict::Fail);
+    assert_eq!(of("min", "min = 0", &key(4)), Verdict::Pass);
+    assert_eq!(of("span", "max = 4", &key(4)), Verdict::Pass);
+    // A value that is shorter than the distance of two records may be missed.
+    assert_eq!(of("max", "max = 4", &key(3)), Verdict::Inconclusive);
+    assert_eq!(of("max", "max = 4", ""), Verdict::Inconclusive);
 }

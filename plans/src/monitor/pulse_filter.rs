@@ -18,6 +18,8 @@ pub(crate) enum PulseLevel {
     Line,
     /// Whether it meets a condition, to within so much.
     Test(ValueTest, f64),
+    /// None: every value of a number counts, and nothing but what is not known for a short time is left out.
+    EveryValue,
 }
 
 impl PulseLevel {
@@ -27,6 +29,7 @@ impl PulseLevel {
             (_, Value::Unknown) => Truth::Unknown,
             (PulseLevel::Line, value) => Truth::of(matches!(value, Value::Bool(true))),
             (PulseLevel::Test(test, slack), value) => test.holds(value, *slack),
+            (PulseLevel::EveryValue, _) => Truth::True,
         }
     }
 }
@@ -76,7 +79,7 @@ impl PulseFilter {
         if seen.b.saturating_sub(gap.a) > self.longest.0 {
             self.step(&gap, out);
             self.step(seen, out);
-        } else if self.level.of(seen.value) == before {
+        } else if !matches!(self.level, PulseLevel::EveryValue) && self.level.of(seen.value) == before {
             self.step(seen, out);
         } else {
             self.step(&TimedValue { a: gap.a, since: gap.since, ..*seen }, out);
@@ -84,6 +87,9 @@ impl PulseFilter {
     }
 
     fn step(&mut self, seen: &TimedValue, out: &mut impl FnMut(&TimedValue)) {
+        if matches!(self.level, PulseLevel::EveryValue) {
+            return out(seen);
+        }
         let level = self.level.of(seen.value);
         let Some((old, before)) = self.pending else {
             if level == self.counts && level != Truth::Unknown {

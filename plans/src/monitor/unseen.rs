@@ -68,19 +68,21 @@ impl PulseRule {
         PulseRule { level, ..self }
     }
 
-    /// What takes short pulses out of a signal before its monitor sees them. A value of a number is no pulse by itself. `lag`
-    /// is that of [`super::CaseTimeline::lag`], `clock` what the clock may be off.
+    /// What takes short pulses out of a signal before its monitor sees them. A value of a number is no pulse by itself: of one that
+    /// is recorded at most every so often it only bridges the times for which that leaves it unknown. `lag` is that of
+    /// [`super::CaseTimeline::lag`], `clock` what the clock may be off.
     pub(crate) fn filter(&self, info: &SignalInfo, lag: i64, clock: ClockError) -> Option<PulseFilter> {
         let longest = self.longer_than.filter(|span| !self.weighs && *span > Span::ZERO)?;
+        let promised = matches!(info.policy, Policy::AtMostEvery(every) if every <= longest);
         let level = match &self.level {
             Some(test) => PulseLevel::Test(test.clone(), slack(info)),
             None if info.kind == ValueKind::Bool => PulseLevel::Line,
+            None if promised => PulseLevel::EveryValue,
             None => return None,
         };
         let off = clock.of_true(longest);
         let limits = ((longest - off).as_nanos(), (longest + off).as_nanos());
         let filter = PulseFilter::new(level, limits, lag);
-        let promised = matches!(info.policy, Policy::AtMostEvery(every) if every <= longest);
         Some(if promised { filter.bridging() } else { filter })
     }
 
