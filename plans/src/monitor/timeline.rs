@@ -99,10 +99,15 @@ impl<'a> CaseTimeline<'a> {
     /// [`NotJudged::NeverCame`], [`NotJudged::AfterEnd`].
     pub fn point(&self, anchor: &Anchor) -> Result<UncertainInstant, NotJudged> {
         let point = self.resolve(anchor).ok_or_else(|| NotJudged::NeverCame(anchor.to_string()))?;
-        match !self.closing && point.a > self.end() {
+        match point.a > self.seen_until() {
             true => Err(NotJudged::AfterEnd(anchor.to_string())),
             false => Ok(point),
         }
+    }
+
+    /// Up to when anything was seen: the end of the case, or of its teardown, where that came.
+    fn seen_until(&self) -> i64 {
+        if self.closing && self.anchors.closed(Span::ZERO).is_none() { i64::MAX } else { self.end() }
     }
 
     fn resolve(&self, anchor: &Anchor) -> Option<UncertainInstant> {
@@ -170,11 +175,8 @@ impl<'a> CaseTimeline<'a> {
     }
 
     /// From when to when nothing is known any more of the signals of what depends on these instants, nanoseconds: the end of the
-    /// case, where an instant may lie after it by the error of the clock.
+    /// case, where an instant may lie after it by the error of the clock, or by how late a rig marked what it counts from.
     pub(crate) fn known_until(&self, anchors: &[&Anchor]) -> Option<(i64, i64)> {
-        if self.clock.error.is_none() {
-            return None;
-        }
         let end = (self.earliest_end(), self.end());
         let after = |anchor: &&Anchor| self.resolve(anchor).is_some_and(|point| point.b > end.1);
         anchors.iter().any(after).then_some(end)

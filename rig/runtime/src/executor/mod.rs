@@ -268,6 +268,7 @@ impl<'a> Executor<'a> {
             self.report.fault.get_or_insert(fault);
         }
         self.record_unsettled_at_end();
+        self.see_all_windows();
         self.report.end = self.now;
         let mark = self.seen(self.now);
         self.ended = Some((self.board_time(), mark.latest));

@@ -10,13 +10,15 @@ pub struct Recorder {
     judge: CaseJudge,
     /// How late the rig was at worst so far.
     late: Span,
+    /// The widest interval of a mark so far.
+    widest_mark: Span,
     fault: Option<TraceError>,
 }
 
 impl Recorder {
     /// Records into `trace`, whose signals are all defined.
     pub fn new(trace: Trace, judge: CaseJudge) -> Recorder {
-        Recorder { trace, judge, late: Span::ZERO, fault: None }
+        Recorder { trace, judge, late: Span::ZERO, widest_mark: Span::ZERO, fault: None }
     }
 
     /// The rig was this late.
@@ -59,7 +61,13 @@ impl Recorder {
             Some(Event { value: Value::Int(times), .. }) => times + 1,
             _ => 1,
         };
+        self.widest_mark = self.widest_mark.max(at.latest - at.earliest);
         self.record(signal, at, Value::Int(times), Cause::Unknown);
+    }
+
+    /// How late the rig may have been at worst with what a mark stands for.
+    pub fn widest_mark(&self) -> Span {
+        self.widest_mark
     }
 
     /// The trace.

@@ -40,6 +40,7 @@ impl Executor<'_> {
                 break;
             }
         }
+        self.see_all_windows();
         if let Some(mark) = self.parts.wiring.closed {
             self.parts.recorder.mark(mark, self.seen(self.now));
         }
