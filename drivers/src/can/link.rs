@@ -122,7 +122,9 @@ pub fn read(datagram: &[u8]) -> Vec<News> {
         let len = len as usize;
         let Some(message) = rest.get(HEAD..len) else { break };
         match kind {
-            ERROR => news.extend(u32_at(message, 0).map(|code| News::Refused(-code.cast_signed()))),
+            ERROR => {
+                news.extend(u32_at(message, 0).map(|code| News::Refused(code.cast_signed().wrapping_neg())))
+            }
             NEW_LINK => news.extend(link(message).map(News::Is)),
             DELETED_LINK => news.extend(link(message).map(News::Gone)),
             _ => {}
@@ -237,6 +239,12 @@ mod tests {
         bytes
     }
 
+    fn refusal(code: i32) -> Vec<u8> {
+        let mut refused = bytes(&[20, 0, 0, 0, code.cast_unsigned()]);
+        refused[4..6].copy_from_slice(&ERROR.to_ne_bytes());
+        refused
+    }
+
     fn of_can() -> Vec<u8> {
         let data = [
             attribute(CAN_BITTIMING, &bytes(&[500_000, 875, 0, 0, 0, 0, 0, 0])),
@@ -267,11 +275,16 @@ mod tests {
     }
 
     #[test]
+    fn a_refusal_may_have_any_number() {
+        for (code, number) in [(0, 0), (-19, 19), (i32::MAX, -i32::MAX), (i32::MIN, i32::MIN)] {
+            assert_eq!(read(&refusal(code)), [News::Refused(number)], "{code}");
+        }
+    }
+
+    #[test]
     fn several_messages_of_a_datagram_are_read_and_a_refusal_is_one() {
         let gone = message(DELETED_LINK, &[attribute(NAME, b"can0\0")]);
-        let mut refused = bytes(&[20, 0, 0, 0, (-19i32).cast_unsigned()]);
-        refused[4..6].copy_from_slice(&ERROR.to_ne_bytes());
-        let all = read(&[gone, refused].concat());
+        let all = read(&[gone, refusal(-19)].concat());
         assert!(matches!(&all[..], [News::Gone(link), News::Refused(19)] if link.name == "can0"), "{all:?}");
     }
 
