@@ -136,3 +136,22 @@ fn a_system_error_is_no_halt() {
     let empty = r#"{ state = { is = "EMPTY", when = "end" } }"#;
     run_and_judge(&bench, "empty", &overlong(false, "1.2 s", &[empty]), 0, "");
 }
+
+/// A step that is the error asks for the stop as a command does; an error of the program beside it is still an exception.
+#[test]
+fn an_internal_error_is_asked_for() {
+    let bench = project();
+    for kind in ["firmware", "hardware-watchdog", "firmware-exception"] {
+        let step =
+            format!("steps = [{{ id = \"wrong\", at = \"start + 1 s\", internal-error = \"{kind}\" }}]");
+        let rest = format!("program = \"lamp.st\"\nsignals = {{ f = \"%QX0.0\", r = \"%QX0.1\" }}\n{step}");
+        run_and_judge(&bench, kind, &plan(&rest, &[NEVER]), 0, "");
+        run_and_judge(
+            &bench,
+            &format!("{kind}-and"),
+            &division(&[NEVER]).replace("steps = []", &step),
+            1,
+            DIVISION,
+        );
+    }
+}

@@ -60,7 +60,9 @@ impl ExceptionWatch {
     /// The controller changes its state; whether that is a stop by an exception.
     pub(super) fn state(&mut self, at: Time, state: State) -> Option<ExceptionStop> {
         let cause = self.cause.take();
-        if !std::mem::take(&mut self.stopped) {
+        // An internal error is a step of the plan, which asked for what it leads to.
+        let is_asked_for = matches!(cause, Some(LogEntry::InternalError(_)));
+        if !std::mem::take(&mut self.stopped) || is_asked_for {
             return None;
         }
         let state = if state == State::Halt { State::Halt } else { State::Empty };
