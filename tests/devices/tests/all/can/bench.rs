@@ -8,8 +8,6 @@ use devices::PATIENCE;
 use document::{Diagnostic, SourceFile};
 use drivers::{Board, BoardContext, BoardExt, BusEvent, BusId, Subject, Terminals, UnknownSubject};
 use host::Realtime;
-use rustix::net::netlink::SocketAddrNetlink;
-use rustix::net::{AddressFamily, SendFlags, SocketFlags, SocketType, bind, sendto, socket_with};
 use signal::{CanFrame, Span, Time};
 
 /// A board at work, with the clock that a run would have.
@@ -107,21 +105,6 @@ impl Bench {
 pub fn run(line: &str) {
     let done = Command::new("sh").args(["-c", line]).output().expect("the guest has a shell");
     assert!(done.status.success(), "{line}: {}", String::from_utf8_lossy(&done.stderr));
-}
-
-/// Orders the kernel to set the interface of this number up, or down, and waits until it has.
-pub fn order_up(index: u32, up: bool) {
-    const IFF_UP: u32 = 1;
-    const RTM_NEWLINK: u16 = 16;
-    const REQUEST: u16 = 1;
-    let mut message = 32u32.to_ne_bytes().to_vec();
-    message.extend([RTM_NEWLINK, REQUEST].map(u16::to_ne_bytes).as_flattened());
-    let flags = if up { IFF_UP } else { 0 };
-    message.extend([0, 0, 0, index, flags, IFF_UP].map(u32::to_ne_bytes).as_flattened());
-    let kernel = SocketAddrNetlink::new(0, 0);
-    let socket = socket_with(AddressFamily::NETLINK, SocketType::RAW, SocketFlags::CLOEXEC, None).unwrap();
-    bind(&socket, &kernel).unwrap();
-    sendto(&socket, &message, SendFlags::empty(), &kernel).unwrap();
 }
 
 /// Makes trouble on one of the lab's controllers; taken back when this is dropped.
