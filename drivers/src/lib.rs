@@ -34,6 +34,7 @@ mod realtime;
 mod refusal;
 mod run_state;
 mod sampled;
+pub mod sensor;
 pub mod serial;
 pub mod sim;
 mod thread;

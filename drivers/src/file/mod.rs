@@ -30,6 +30,7 @@ use crate::adc::{AdcsSpec, Calibrated, calibrated};
 use crate::channel_table::ChannelTable;
 use crate::circuit::{ChannelSpec, Circuit, CircuitError};
 use crate::real::{self as real_devices, OfflineBoard, RealSpec};
+use crate::sensor::SensorCurve;
 use crate::wrap::{Disturbance, Faulty};
 use crate::{Board, BoardContext, ChannelId, LoopbackPair, RealtimeSettings, SimulatedBoard};
 
@@ -120,6 +121,8 @@ pub struct BoardFile {
     pub circuit: Circuit,
     /// Terminals and channels, by address; inputs first. Each address once.
     pub bind: Vec<Binding>,
+    /// Channels at terminals of modules that carry what a temperature sensor shows, with its curve.
+    pub sensors: Vec<(ChannelId, SensorCurve)>,
     /// Ports of the controller and their buses, in the order of the file. Each port and each bus once.
     pub ports: Vec<PortBinding>,
     /// Trouble that the board is to make by itself, if any.
@@ -163,6 +166,7 @@ impl BoardFile {
             check: None,
             circuit,
             bind,
+            sensors: Vec::new(),
             ports: Vec::new(),
             disturbance: None,
             guard: GuardSettings::default(),

@@ -5,6 +5,7 @@ use signal::{Address, Area, Unit};
 
 use super::{Binding, BoardFile, codes};
 use crate::circuit::{ChannelSpec, MAX_PARTS, Pull};
+use crate::sensor::SensorCurve;
 use crate::{ChannelId, ChannelKind};
 
 /// A terminal of an expansion module or a cartridge.
@@ -25,6 +26,8 @@ pub enum ModuleTerminalKind {
     Level,
     /// A number in this unit.
     Number(Unit),
+    /// A temperature in degrees Celsius, or what a sensor with this curve shows.
+    Temperature(Option<SensorCurve>),
 }
 
 impl BoardFile {
@@ -51,10 +54,19 @@ impl BoardFile {
                     ChannelId(place)
                 }
             };
-            if let ModuleTerminalKind::Number(unit) = &terminal.kind {
-                let carries_current = *unit == Unit::new("mA");
-                let pull = if carries_current { Pull::Down } else { Pull::None };
-                self.circuit.channels[usize::from(channel.0)].pull = pull;
+            let spec = &mut self.circuit.channels[usize::from(channel.0)];
+            match &terminal.kind {
+                ModuleTerminalKind::Level => {}
+                ModuleTerminalKind::Number(unit) if *unit == Unit::new("mA") => spec.pull = Pull::Down,
+                ModuleTerminalKind::Number(_) => spec.pull = Pull::None,
+                ModuleTerminalKind::Temperature(curve) => {
+                    spec.pull = Pull::None;
+                    if let (Some(curve), ChannelKind::Analog { unit }) = (curve, &spec.kind)
+                        && Unit::new(unit) == Unit::new(curve.unit())
+                    {
+                        self.sensors.push((channel, *curve));
+                    }
+                }
             }
             self.bind.push(Binding { address: terminal.address, channel });
         }
@@ -77,19 +89,21 @@ impl BoardFile {
                 return None;
             }
             (ModuleTerminalKind::Level, _) => ("a level", "digital"),
-            (ModuleTerminalKind::Number(wanted), ChannelKind::Analog { unit }) => {
-                if Unit::new(unit) == *wanted {
+            (_, ChannelKind::Analog { unit }) => {
+                let units = units(kind);
+                if units.contains(&Unit::new(unit)) {
                     return None;
                 }
-                let has = if unit.is_empty() { "no unit" } else { unit };
+                let known: Vec<String> = units.iter().map(Unit::to_string).collect();
+                let (has, known) = (if unit.is_empty() { "no unit" } else { unit }, known.join(" or "));
                 let message = format!(
-                    "the terminal {address} of a module is in {wanted}, the channel `{name}` has {has}"
+                    "the terminal {address} of a module is in {known}, the channel `{name}` has {has}"
                 );
                 let help =
-                    format!("describe it with unit = \"{wanted}\", or choose another mode in the plan");
+                    format!("describe it with {known} as its unit, or choose another mode in the plan");
                 return refused(codes::MODULE_UNIT, message, help);
             }
-            (ModuleTerminalKind::Number(_), _) => ("a number", "analog"),
+            _ => ("a number", "analog"),
         };
         let message =
             format!("the terminal {address} of a module is {is}, the channel `{name}` carries none");
@@ -101,12 +115,23 @@ impl BoardFile {
     }
 }
 
+/// The units that a channel at a terminal of numbers can have, the usual one first.
+fn units(kind: &ModuleTerminalKind) -> Vec<Unit> {
+    match kind {
+        ModuleTerminalKind::Level => Vec::new(),
+        ModuleTerminalKind::Number(unit) => vec![unit.clone()],
+        ModuleTerminalKind::Temperature(curve) => {
+            std::iter::once("degC").chain(curve.map(SensorCurve::unit)).map(Unit::new).collect()
+        }
+    }
+}
+
 /// The channel of a terminal that the file says nothing of.
 fn channel_of(terminal: &ModuleTerminal) -> ChannelSpec {
     let name = terminal.name.clone();
     match &terminal.kind {
         ModuleTerminalKind::Level => ChannelSpec::digital_at(name, terminal.address),
-        ModuleTerminalKind::Number(unit) => ChannelSpec::analog(name, unit.to_string()),
+        kind => ChannelSpec::analog(name, units(kind).first().map(Unit::to_string).unwrap_or_default()),
     }
 }
 
@@ -116,6 +141,7 @@ mod tests {
 
     fn terminal(name: &str, address: &str, unit: Option<&str>) -> ModuleTerminal {
         let kind = match unit {
+            Some("degC") => ModuleTerminalKind::Temperature(SensorCurve::of_mode("PT100")),
             Some(unit) => ModuleTerminalKind::Number(Unit::new(unit)),
             None => ModuleTerminalKind::Level,
         };
@@ -135,6 +161,10 @@ mod tests {
         let analog = |unit: &str| ChannelSpec::analog("M1.IW0", unit);
         let wanted = |unit: &str| terminal("M1.IW0", "%IW2", Some(unit));
         assert!(bind(analog("°C"), wanted("degC")).is_ok());
+        assert_eq!(bind(analog("degC"), wanted("degC")).unwrap().sensors, []);
+        let resistance = bind(analog("Ohm"), wanted("degC")).unwrap();
+        assert_eq!(resistance.sensors, [(ChannelId(0), SensorCurve::of_mode("PT100").unwrap())]);
+        assert_eq!(bind(analog("mV"), wanted("degC")).unwrap_err(), codes::MODULE_UNIT);
         assert_eq!(bind(analog("V"), wanted("mA")).unwrap_err(), codes::MODULE_UNIT);
         assert_eq!(bind(analog(""), wanted("V")).unwrap_err(), codes::MODULE_UNIT);
         let digital = ChannelSpec::digital("M1.IW0", Pull::Down);

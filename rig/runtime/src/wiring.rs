@@ -5,6 +5,7 @@ use crate::subject::Subject;
 use crate::subject::external;
 use controller::{ProbeId, Terminal};
 use drivers::file::ChannelDelay;
+use drivers::sensor::SensorCurve;
 use drivers::{BoardFile, BusId, ChannelId};
 use profile::IoChannel;
 use signal::{Area, Cause, SignalId, Size, Span};
@@ -16,6 +17,8 @@ pub struct WiredInput {
     pub terminal: Terminal,
     /// It takes a number in the unit of the channel, and not a level.
     pub analog: bool,
+    /// The channel carries what a sensor with this curve shows, and the terminal takes the temperature.
+    pub sensor: Option<SensorCurve>,
 }
 
 /// A port of a subject that the rig plays.
@@ -86,7 +89,10 @@ impl Wiring {
                 match terminal.channel {
                     IoChannel::Input(_) => {
                         let analog = binding.address.size() != Size::Bit;
-                        wiring.bind_input(binding.channel, WiredInput { terminal, analog });
+                        let of_channel =
+                            |(channel, _): &&(ChannelId, SensorCurve)| *channel == binding.channel;
+                        let sensor = file.sensors.iter().find(of_channel).map(|(_, curve)| *curve);
+                        wiring.bind_input(binding.channel, WiredInput { terminal, analog, sensor });
                     }
                     IoChannel::Output(_) => wiring.bind_output(terminal, binding.channel),
                 }
@@ -101,7 +107,7 @@ impl Wiring {
         }
         if let Some(alarm) = file.lines.alarm {
             let terminal = Terminal::input(external::ALARM);
-            wiring.bind_input(alarm, WiredInput { terminal, analog: false });
+            wiring.bind_input(alarm, WiredInput { terminal, analog: false, sensor: None });
         }
         let of_controller = file.bind.iter().filter(|binding| binding.address.area() == Area::Output);
         for channel in of_controller.map(|binding| binding.channel).chain(file.lines.alarm) {

@@ -109,8 +109,14 @@ impl Executor<'_> {
                 _ => Some(InputChange::Value(Value::HighZ)),
             };
             for index in 0..self.parts.wiring.inputs[place].len() {
-                let WiredInput { terminal, analog } = self.parts.wiring.inputs[place][index];
-                let what = if analog { Some(InputChange::Value(value)) } else { of_levels };
+                let WiredInput { terminal, analog, sensor } = self.parts.wiring.inputs[place][index];
+                let what = match (sensor, value.as_real()) {
+                    (Some(curve), Some(shown)) => {
+                        Some(InputChange::Value(Value::Real(curve.temperature(shown))))
+                    }
+                    _ if analog => Some(InputChange::Value(value)),
+                    _ => of_levels,
+                };
                 if let Some(what) = what {
                     self.input(channel, at, terminal, what);
                 }

@@ -93,7 +93,10 @@ pub fn run(
         SoftPlcTerminals { inputs: files.reference.input_count(), outputs: files.reference.output_count() };
     for (channel, input) in [(lines.power, places.power()), (lines.run_stop, places.run_stop())] {
         if let Some(channel) = channel {
-            wiring.bind_input(channel, WiredInput { terminal: Terminal::input(input), analog: false });
+            wiring.bind_input(
+                channel,
+                WiredInput { terminal: Terminal::input(input), analog: false, sensor: None },
+            );
         }
     }
     if let Some(alarm) = lines.alarm {

@@ -19,12 +19,13 @@ use drivers::file::{
     BoardFile, ModuleTerminal, ModuleTerminalKind, Subject as BoardSubject, SubjectPort, SubjectPortKind,
     Terminals, UnknownSubject, read as read_board,
 };
+use drivers::sensor::SensorCurve;
 use plans::plan::{GlobalChecks, PlanText};
 use plans::steps::ProgramRef;
 use plans::steps::Stimulus;
 use plans::{Case, Plan};
 use profile::{AnalogueMode, ChannelAddresses, ConfiguredModule, PortKind, Profile, Reference, SerialMedia};
-use signal::{Address, Area};
+use signal::{Address, Area, Unit};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -72,7 +73,10 @@ fn module_terminals(reference: &'static Reference, modules: &[ConfiguredModule<'
             }
         };
         let level = |_| Some(ModuleTerminalKind::Level);
-        let number = |mode: &AnalogueMode| ModuleTerminalKind::Number(mode.unit.clone());
+        let number = |mode: &AnalogueMode| match mode.unit == Unit::new("degC") {
+            true => ModuleTerminalKind::Temperature(SensorCurve::of_mode(&mode.name)),
+            false => ModuleTerminalKind::Number(mode.unit.clone()),
+        };
         add("I", place.digital_inputs, &level);
         add("IW", place.analogue_inputs, &|input| configured.input(input).map(|it| number(it.mode)));
         add("Q", place.digital_outputs, &level);
