@@ -192,7 +192,8 @@ fn no_two_channels_overlap() {
     for controller in ["TM251MESC", "TM241C24T", "TM241C40T"] {
         let controller = Reference::find(controller).unwrap();
         for start in 0..modules.len() {
-            let list: Vec<_> = (0..14).map(|step| modules[(start + step * 5) % modules.len()]).collect();
+            let list: Vec<_> =
+                (0..14).map(|step| modules[(start + step * 5) % modules.len()].clone()).collect();
             let found = controller.module_addresses(&list).unwrap();
             let all = found.iter().flat_map(|of| {
                 [of.digital_inputs, of.analogue_inputs, of.status, of.digital_outputs, of.analogue_outputs]
