@@ -4,7 +4,7 @@ use crate::bus::ExpansionBus;
 use crate::cartridge::Cartridge;
 use crate::config::{Config, OutputsInStop};
 use crate::memory::Memory;
-use crate::module::{IoModule, TaskModule};
+use crate::module::{IoModule, ModuleChannel, TaskModule};
 use crate::state::State;
 use profile::{IoChannel, IoStatus, ModuleFamily};
 use signal::{Cause, Time};
@@ -96,15 +96,19 @@ impl Modules {
         self.defaulted = defaulted;
     }
 
-    /// Initialization values are over; whether %Q changed.
+    /// Initialization values are over; whether %Q changed. A place that has its default value already is written by nobody.
     pub(crate) fn end_initialization(&mut self, memory: &mut Memory) -> bool {
-        match std::mem::take(&mut self.defaulted) {
-            DefaultedOutputs::None => false,
-            DefaultedOutputs::Unwritten => {
-                self.set_defaults(memory, |bit, memory| memory.writer(bit) == Cause::Unknown)
-            }
-            DefaultedOutputs::All => self.set_defaults(memory, |_, _| true),
-        }
+        let defaulted = std::mem::take(&mut self.defaulted);
+        self.set_defaults(memory, |channel, memory| {
+            let is_meant = match defaulted {
+                DefaultedOutputs::None => false,
+                DefaultedOutputs::Unwritten => {
+                    memory.writer(channel.address.bit_offset() as usize) == Cause::Unknown
+                }
+                DefaultedOutputs::All => true,
+            };
+            is_meant && memory.load(channel.address) != channel.default
+        })
     }
 
     /// Sets %Q of their outputs to what [`Modules::fall_back`] said; whether it changed.
@@ -112,12 +116,11 @@ impl Modules {
         self.at_defaults && self.set_defaults(memory, |_, _| true)
     }
 
-    /// Sets %Q of the outputs whose first bit is meant to their default values; whether it changed.
-    fn set_defaults(&self, memory: &mut Memory, is_meant: impl Fn(usize, &Memory) -> bool) -> bool {
+    /// Sets %Q of the outputs that are meant to their default values; whether it changed.
+    fn set_defaults(&self, memory: &mut Memory, is_meant: impl Fn(&ModuleChannel, &Memory) -> bool) -> bool {
         let mut changed = false;
         for channel in self.others().flat_map(|module| module.channels()) {
-            let is_output = matches!(channel.channel, IoChannel::Output(_));
-            if is_output && is_meant(channel.address.bit_offset() as usize, memory) {
+            if matches!(channel.channel, IoChannel::Output(_)) && is_meant(channel, memory) {
                 changed |= memory.load(channel.address) != channel.default;
                 memory.set_cause(Cause::Controller);
                 memory.store(channel.address, channel.default);
