@@ -108,6 +108,9 @@ fn pieces(place: usize) -> &'static [Piece] {
 mod tests {
     use super::*;
 
+    /// A mode, how far off a rounded figure is at most, and temperatures with what the sensor shows.
+    type PrintedTable<'a> = (&'a str, f64, &'a [(f64, f64)]);
+
     fn curve(mode: &str) -> SensorCurve {
         SensorCurve::of_mode(mode).unwrap()
     }
@@ -115,7 +118,7 @@ mod tests {
     // The tables of the standards, rounded to 0.01 Ohm and 0.001 mV.
     #[test]
     fn curves_agree_with_the_tables_of_the_standards() {
-        let tables: [(&str, f64, &[(f64, f64)]); 11] = [
+        let tables: [PrintedTable<'_>; 11] = [
             (
                 "PT100",
                 0.005,
