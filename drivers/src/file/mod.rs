@@ -55,6 +55,8 @@ pub struct Terminals {
     pub outputs: Vec<Address>,
     /// Its ports.
     pub ports: Vec<SubjectPort>,
+    /// The references of the modules that can be fitted beside it.
+    pub modules: Vec<String>,
 }
 
 /// A subject that does not exist, with the names that do.
@@ -122,6 +124,8 @@ pub struct BoardFile {
     pub bind: Vec<Binding>,
     /// Ports of the controller and their buses, in the order of the file. Each port and each bus once.
     pub ports: Vec<PortBinding>,
+    /// The references of the modules that are fitted, in the order of the bus; exactly those that are configured if none.
+    pub fitted: Option<Vec<String>>,
     /// Trouble that the board is to make by itself, if any.
     pub disturbance: Option<Disturbance>,
     /// How the outputs of a real board are guarded.
@@ -164,6 +168,7 @@ impl BoardFile {
             circuit,
             bind,
             ports: Vec::new(),
+            fitted: None,
             disturbance: None,
             guard: GuardSettings::default(),
             realtime: RealtimeSettings::default(),

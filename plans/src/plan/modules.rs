@@ -7,10 +7,11 @@
 
 use std::ops::Range;
 
-use document::{Fields, Findings, KeySpec, KeyType, Node, suggest};
+use document::{Fields, Findings, KeySpec, KeyType, Node};
 use profile::ModuleType;
 
 use crate::codes;
+use crate::module_names::find_module;
 
 /// The keys of a module.
 const MODULE_KEYS: &[KeySpec] = &[
@@ -53,18 +54,8 @@ fn module(node: &Node, out: &mut Findings) -> Option<ModuleSettings> {
         Some(fields) => fields.get("type")?,
         None => node,
     };
-    let name = reference.as_text()?.trim();
-    let Some(module) = catalogue::find(name) else {
-        let known = catalogue::modules().iter().map(|module| module.reference.as_str());
-        let help = match suggest(&name.to_uppercase(), known) {
-            Some(near) => format!("did you mean `{near}`? `rig explain modules` lists them"),
-            None => String::from("`rig explain modules` lists them"),
-        };
-        out.bad(codes::MODULE, reference, format!("the catalogue has no module `{name}`"), help);
-        return None;
-    };
     Some(ModuleSettings {
-        module,
+        module: find_module(reference, out)?,
         optional: fields.as_ref().and_then(|fields| fields.boolean("optional")).unwrap_or(false),
         place: reference.span.clone(),
     })

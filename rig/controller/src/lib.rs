@@ -62,7 +62,7 @@ pub use endpoint::{
     Endpoint, OUTBOX_MESSAGES, OutboxFull, PortEvent, PortLife, PortMessage, PortOutbox, SerialBytes,
 };
 pub use event_source::ExternalEventSource;
-pub use external::{Disturbance, FAULT_BITS, InternalError};
+pub use external::{Disturbance, FAULT_BITS, InternalError, ModuleFault};
 pub use files::{FileError, FileProbe, FileUser, LONGEST_PATH};
 pub use io::ForcedChannels;
 pub use led::{Led, LedPattern};

@@ -5,7 +5,7 @@ use crate::config::{Config, OutputsInStop};
 use crate::memory::Memory;
 use crate::module::{IoModule, TaskModule};
 use crate::state::State;
-use profile::{IoChannel, IoStatus};
+use profile::{IoChannel, IoStatus, ModuleFamily, ModuleType};
 use signal::{Cause, Time};
 
 /// The modules after the embedded I/O: those that tasks exchange, then those on the bus in the order of the configuration.
@@ -14,6 +14,10 @@ pub(crate) struct Modules {
     list: Vec<Box<dyn TaskModule>>,
     /// The expansion bus.
     pub(crate) bus: ExpansionBus,
+    /// The TM4 modules that are fitted are not those that are configured. They are a chain of their own (io:BUS-04).
+    tm4_differs: bool,
+    /// That is an error, since there is an application.
+    tm4_error: bool,
     /// At each update in STOPPED and HALT their outputs are set to their default values.
     at_defaults: bool,
 }
@@ -21,7 +25,30 @@ pub(crate) struct Modules {
 impl Modules {
     pub(crate) fn new(config: &Config, list: Vec<Box<dyn TaskModule>>) -> Modules {
         let bus = ExpansionBus::new(config, 1 + list.len());
-        Modules { list, bus, at_defaults: false }
+        let tm4 = |module: &&ModuleType| module.family == ModuleFamily::Tm4;
+        let configured = config.modules.iter().map(|one| one.module).filter(tm4);
+        let tm4_differs = config.fitted.as_ref().is_some_and(|fitted| {
+            let references = |module: &'static ModuleType| module.reference.as_str();
+            !configured.map(references).eq(fitted.iter().copied().filter(tm4).map(references))
+        });
+        Modules { list, bus, tm4_differs, tm4_error: false, at_defaults: false }
+    }
+
+    /// The buses start with an application at `now`.
+    pub(crate) fn start(&mut self, now: Time) {
+        self.tm4_error = self.tm4_differs;
+        self.bus.start(now);
+    }
+
+    /// There is no application any more.
+    pub(crate) fn unload(&mut self) {
+        self.tm4_error = false;
+        self.bus.unload();
+    }
+
+    /// Whether the TM4 bus is in error.
+    pub(crate) fn tm4_error(&self) -> bool {
+        self.tm4_error
     }
 
     /// Each module that tasks exchange, first the embedded I/O.
@@ -95,8 +122,9 @@ impl Modules {
         if state == State::Empty && !self.list.is_empty() {
             return IoStatus::NotInitialised;
         }
-        if self.bus.is_in_error() {
-            return IoStatus::BusError;
+        let bus = self.bus.status();
+        if bus != IoStatus::Ok {
+            return bus;
         }
         let wrong = self.list.iter().map(|module| module.status()).find(|status| *status != IoStatus::Ok);
         wrong.unwrap_or(IoStatus::Ok)

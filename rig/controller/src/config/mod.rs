@@ -17,13 +17,16 @@ pub use warnings::Warning;
 
 use expert::{ExpertConfig, ExpertError, InputConditions, ReservedChannels};
 use profile::{
-    ChannelSet, ConfiguredModule, MINIMUM_CYCLE, ModuleKind, ModuleType, PRIORITIES, Profile, Reference,
+    ChannelSet, ConfiguredModule, MINIMUM_CYCLE, ModuleFamily, ModuleKind, ModuleType, PRIORITIES, Profile,
+    Reference,
 };
 use signal::Span;
 
-/// Whether there is a model of such a module.
+/// Whether there is a model of such a module. What a TM4 module carries has none: it is there, or not.
 pub fn is_module_modelled(module: &ModuleType) -> bool {
-    module.kind.is_link() || module.is_on_bus() && module.kind == ModuleKind::Digital
+    module.kind.is_link()
+        || module.family == ModuleFamily::Tm4
+        || module.is_on_bus() && module.kind == ModuleKind::Digital
 }
 
 /// The configuration of a controller. The place of a task in `tasks` is its number everywhere.
@@ -67,12 +70,16 @@ pub struct Config {
     pub relocation: RelocationConfig,
     /// The bus cycle task (controller:PRIO-06, controller:DEV-10).
     pub bus_cycle_task: BusCycle,
+    /// MAST exchanges with the modules on the expansion bus, whatever the bus cycle task (io:BUS-08).
+    pub io_bus_mast: bool,
     /// Always update variables (controller:DEV-10, controller:DEV-12).
     pub always_update: AlwaysUpdate,
     /// Fast counters and pulse generators (io: section 6).
     pub expert: ExpertConfig,
     /// Expansion modules and cartridges, in the order of the device tree (io: sections 9 and 10).
     pub modules: Vec<ConfiguredModule<'static>>,
+    /// What is fitted beside the controller, in the order of the bus; exactly `modules` if none.
+    pub fitted: Option<Vec<&'static ModuleType>>,
     /// Inputs behind whose terminals hardware counts: fast counters take its counts in place of edges.
     pub counted: ChannelSet,
 }
@@ -101,9 +108,11 @@ impl Config {
             watchdog_basis: WatchdogBasis::default(),
             relocation: RelocationConfig::default(),
             bus_cycle_task: BusCycle::default(),
+            io_bus_mast: false,
             always_update: AlwaysUpdate::default_of(profile),
             expert: ExpertConfig::default(),
             modules: Vec::new(),
+            fitted: None,
             counted: ChannelSet::EMPTY,
         }
     }
@@ -120,6 +129,11 @@ impl Config {
                 slowest.map(|(_, place)| place).or_else(|| self.task("MAST"))
             }
         }
+    }
+
+    /// Place of the task that exchanges with the modules on the expansion bus (io:BUS-08).
+    pub fn io_bus_cycle(&self) -> Option<usize> {
+        if self.io_bus_mast { self.task("MAST") } else { self.bus_cycle() }
     }
 
     /// Place of the task with this name, in any case of letters.
@@ -198,9 +212,10 @@ impl Config {
                 }
             }
         }
-        let bus = self.bus_cycle().and_then(|place| self.tasks.get(place));
-        if !bus.is_some_and(TaskConfig::runs_by_itself) {
-            return Err(ConfigError::BusCycleTask);
+        for bus in [self.bus_cycle(), self.io_bus_cycle()] {
+            if !bus.and_then(|place| self.tasks.get(place)).is_some_and(TaskConfig::runs_by_itself) {
+                return Err(ConfigError::BusCycleTask);
+            }
         }
         if !self.always_update.exists(self.profile) {
             return Err(ConfigError::AlwaysUpdate);

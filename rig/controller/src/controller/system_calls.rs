@@ -26,6 +26,8 @@ impl Controller {
             SystemCall::SetRtcDrift => self.system.rtc.set_drift(argument, self.config.profile, now),
             // The indicator of the battery is dark in any case: no battery of the model is ever empty.
             SystemCall::InhibitBatteryLed => 0,
+            SystemCall::ModuleBusStatus => i64::from(self.modules.bus.exchange_code(argument).code()),
+            SystemCall::ModuleFirmware => i64::from(self.modules.bus.firmware(argument)),
         };
         if let Some(application) = &mut self.application {
             application.answer(place, answer);

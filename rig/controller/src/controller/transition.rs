@@ -89,7 +89,7 @@ impl Controller {
         self.power.refresh = None;
         self.io.abandon_initialization();
         self.modules.forget_fallback();
-        self.modules.bus.unload();
+        self.modules.unload();
         self.initialize_outputs(now);
     }
 
@@ -140,7 +140,7 @@ impl Controller {
         fx: &mut Effects,
     ) {
         self.ports.note_restart(now);
-        self.modules.bus.start(now);
+        self.modules.start(now);
         if state == State::Stopped {
             // In RUNNING forcing waits for the outputs' tasks (controller:FRC-05).
             self.io.act_forcing(None);

@@ -8,7 +8,7 @@ use crate::application::catalogue::Catalogue;
 use crate::codes;
 use crate::schedule::{Act, Expected, FileAction, PlannedStep, Timing};
 use crate::subject::SubjectExt;
-use controller::{Command, DeviceReset, Disturbance, FAULT_BITS, FileUser, InternalError};
+use controller::{Command, DeviceReset, Disturbance, FAULT_BITS, FileUser, InternalError, ModuleFault};
 use document::Findings;
 use drivers::{BoardExt, Fault};
 use plans::lang::Literal;
@@ -263,7 +263,7 @@ fn disturbance(
     step: &PlanStep,
     out: &mut Findings,
 ) -> Option<Disturbance> {
-    use plans::steps::{DisturbanceKind, InternalErrorKind};
+    use plans::steps::{DisturbanceKind, InternalErrorKind, ModuleFaultKind};
     let mut output = |address: Address| match IoChannel::at(address, bench.reference) {
         Some(IoChannel::Output(output)) => Some(output),
         _ => {
@@ -284,7 +284,7 @@ fn disturbance(
             InternalErrorKind::Firmware => InternalError::Firmware,
             InternalErrorKind::FirmwareException => InternalError::FirmwareException,
         }),
-        DisturbanceKind::SilentModule { index, exchanges } => {
+        DisturbanceKind::Module { index, fault } => {
             let index = usize::from(index);
             if !bench.modules.contains(&index) {
                 let known: Vec<String> = bench.modules.iter().map(usize::to_string).collect();
@@ -296,8 +296,28 @@ fn disturbance(
                 out.error(codes::NO_MODULE, step.span.clone(), message, help);
                 return None;
             }
-            Disturbance::SilentModule { index, exchanges: if on { exchanges } else { Some(0) } }
+            let fault = match fault {
+                ModuleFaultKind::Silent(exchanges) => {
+                    ModuleFault::Silent(if on { exchanges } else { Some(0) })
+                }
+                ModuleFaultKind::Pulled => ModuleFault::Pulled(on),
+                ModuleFaultKind::Replaced(module) => ModuleFault::Replaced(module.filter(|_| on)),
+                ModuleFaultKind::Disturbs => ModuleFault::Disturbs(on),
+            };
+            Disturbance::Module { index, fault }
         }
+        DisturbanceKind::NoBusSupply => Disturbance::BusSupply(!on),
+        DisturbanceKind::NoBusLink if on && !bench.linked => {
+            let help = "write TM3XTRA1 and TM3XREC1 into `settings.modules`";
+            out.error(
+                codes::NO_MODULE,
+                step.span.clone(),
+                "no transmitter and receiver are configured",
+                help,
+            );
+            return None;
+        }
+        DisturbanceKind::NoBusLink => Disturbance::BusLink(!on),
         DisturbanceKind::External(bit) => {
             let bits: Vec<String> = FAULT_BITS.iter().map(u8::to_string).collect();
             let help = format!("the others are {}", bits.join(", "));
