@@ -49,7 +49,7 @@ mod terminal;
 pub use application::{
     Application, ApplicationFault, FaultClass, LoadError, Loader, Slice, SliceEnd, SystemCall, VariableReset,
 };
-pub use bus::{BusStart, ConfiguredPosition, ExtraModules, PositionState, compare_modules};
+pub use bus::{BusStart, ConfiguredPosition, ExtraModules, ForcedPlaces, PositionState, compare_modules};
 pub use command::{Command, CommandError, DeviceReset, WriteError};
 pub use config::{
     AlwaysUpdate, BusCycle, Config, ConfigError, HaltOutputs, InputConfig, InputFault, OutputsInStop,

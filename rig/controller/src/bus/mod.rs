@@ -11,11 +11,14 @@
 mod digital;
 mod exchange;
 mod fitted;
+mod force;
 mod image;
 mod start;
 
+pub use force::ForcedPlaces;
 pub use start::{BusStart, ConfiguredPosition, ExtraModules, PositionState, compare_modules};
 
+use crate::command::CommandError;
 use crate::config::Config;
 use crate::external::ModuleFault;
 use crate::memory::Memory;
@@ -25,10 +28,10 @@ use exchange::Exchange;
 use fitted::FittedModules;
 use image::{SharedBytes, VirtualImage};
 use profile::{
-    ExchangeCode, IoStatus, LOCAL_MODULES, ModuleFamily, ModuleState, ModuleType, NO_FIRMWARE_VERSION,
-    Profile, Tm3BusState, module_indices,
+    ExchangeCode, IoStatus, LOCAL_MODULES, ModuleFamily, ModuleState, ModuleType,
+    NO_FIRMWARE_VERSION, Profile, Tm3BusState, module_indices,
 };
-use signal::{Image, Time};
+use signal::{Address, Area, Cause, Image, Time};
 
 /// A module as the bus sees it.
 pub(crate) trait BusModule: IoModule {
@@ -91,6 +94,10 @@ pub(crate) struct ExpansionBus {
     shared: Vec<SharedBytes>,
     /// The same of an update in STOPPED and HALT: everything.
     all: SharedBytes,
+    /// The outputs on which forcing comes to act with the cycles of each task, by rank: those that it writes, or exchanges where
+    /// none writes them (controller:FRC-05).
+    forced_with: Vec<Vec<Address>>,
+    forced: ForcedPlaces,
     /// Rank of the bus cycle task.
     bus_cycle: Option<usize>,
     /// The controller of 2014: errors are handled passively, whatever is commanded (plcsystem:TM3V-06).
@@ -149,6 +156,8 @@ impl ExpansionBus {
             extra: false,
             image: VirtualImage::new(config.profile),
             shared: Vec::new(),
+            forced_with: Vec::new(),
+            forced: ForcedPlaces::default(),
             all,
             bus_cycle: None,
             only_passive: config.profile == Profile::M241_2014,
@@ -174,6 +183,14 @@ impl ExpansionBus {
         let channels = || self.positions.iter().flat_map(|it| it.module.channels());
         let of = |rank| SharedBytes::of(channels(), |address| sharing.exchanges(rank, address));
         self.shared = (0..sharing.tasks()).map(of).collect();
+        let forced_with = |rank| {
+            let outputs = channels().map(|channel| channel.address).filter(|at| at.area() == Area::Output);
+            let written = |at| (0..sharing.tasks()).any(|other| sharing.writes(other, at));
+            let comes =
+                |at: &Address| sharing.writes(rank, *at) || sharing.exchanges(rank, *at) && !written(*at);
+            outputs.filter(comes).collect()
+        };
+        self.forced_with = (0..sharing.tasks()).map(forced_with).collect();
         self.bus_cycle = sharing.bus_cycle();
     }
 
@@ -363,7 +380,13 @@ impl ExpansionBus {
             }
         }
         let shared = rank.and_then(|rank| self.shared.get(rank)).unwrap_or(&self.all);
-        self.image.to_inputs(if self.is_off { &self.all } else { shared }, memory)
+        let shared = if self.is_off { &self.all } else { shared };
+        let changed = self.image.to_inputs(shared, memory);
+        if self.forced.is_empty() {
+            return changed;
+        }
+        let here = self.forced.inputs().filter(|(address, _)| shared.has(*address));
+        here.fold(changed, |any, (address, value)| any | memory.store(address, value))
     }
 
     /// A cycle ends: %Q -> virtual image, as far as the task writes it; virtual image -> outputs of the modules, if it is the bus
@@ -377,6 +400,13 @@ impl ExpansionBus {
             return self.all.clear_outputs(memory);
         }
         let shared = rank.and_then(|rank| self.shared.get(rank)).unwrap_or(&self.all);
+        let changed = !self.forced.is_empty() && {
+            let comes =
+                |at| rank.and_then(|rank| self.forced_with.get(rank)).is_none_or(|all| all.contains(&at));
+            memory.set_cause(Cause::Controller);
+            let here = self.forced.outputs(comes).filter(|(address, _)| shared.has(*address));
+            here.fold(false, |any, (address, value)| any | memory.store(address, value))
+        };
         self.image.take_outputs(shared, memory);
         if self.is_bus_cycle(rank) {
             for Position { module, exchange, .. } in &mut self.positions {
@@ -385,7 +415,34 @@ impl ExpansionBus {
                 }
             }
         }
-        false
+        changed
+    }
+
+    /// Forces the channel at this place, or ends that.
+    ///
+    /// # Errors
+    /// No module has a channel there, or there is no room for another place.
+    pub(crate) fn force(&mut self, address: Address, value: Option<u64>) -> Result<(), CommandError> {
+        let channels = self.positions.iter().flat_map(|it| it.module.channels());
+        if !channels.into_iter().any(|channel| channel.address == address) {
+            return Err(CommandError::NoChannel(address));
+        }
+        match value {
+            Some(value) if !self.forced.force(address, value) => return Err(CommandError::TooManyForced),
+            Some(_) => {}
+            None => self.forced.release(address),
+        }
+        Ok(())
+    }
+
+    /// What is forced.
+    pub(crate) fn forced(&self) -> ForcedPlaces {
+        self.forced
+    }
+
+    /// These places are forced from now on, and act later.
+    pub(crate) fn restore_forced(&mut self, forced: ForcedPlaces) {
+        self.forced = forced.waiting();
     }
 
     /// All outputs and both images are 0 until the bus is started again (io:ERR-06).

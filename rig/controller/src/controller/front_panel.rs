@@ -1,7 +1,7 @@
 //! What a person before the controller sees and can move, and what is forced in it.
 
 use super::Controller;
-use crate::{ForcedChannels, Led, LedPattern, State};
+use crate::{ForcedChannels, ForcedPlaces, Led, LedPattern, State};
 use signal::Time;
 
 /// The controller from outside.
@@ -19,6 +19,8 @@ pub struct FrontPanel {
     pub forced_inputs: ForcedChannels,
     /// The outputs that are forced.
     pub forced_outputs: ForcedChannels,
+    /// The inputs and outputs of modules that are forced.
+    pub forced_places: ForcedPlaces,
 }
 
 impl Controller {
@@ -32,6 +34,7 @@ impl Controller {
             supply: self.state != State::Off && self.power.hold_up.is_none(),
             forced_inputs,
             forced_outputs,
+            forced_places: self.modules.bus.forced(),
         }
     }
 }

@@ -21,7 +21,7 @@ impl Controller {
             SystemCall::FirstMastCycle | SystemCall::FirstMastColdCycle | SystemCall::FirstMastWarmCycle => {
                 self.system.first_cycle.flag(call)
             }
-            SystemCall::HasForcedIo => i64::from(self.io.has_forced()),
+            SystemCall::HasForcedIo => i64::from(self.has_forced()),
             SystemCall::GetRtc => self.system.rtc.seconds(now),
             SystemCall::SetRtcDrift => self.system.rtc.set_drift(argument, self.config.profile, now),
             // The indicator of the battery is dark in any case: no battery of the model is ever empty.

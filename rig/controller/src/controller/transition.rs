@@ -63,9 +63,10 @@ impl Controller {
 
     /// Begins BOOTING. Forcing waits for the boot application; after a power cycle there is none.
     pub(super) fn boot(&mut self, now: Time, fx: &mut Effects) {
-        let forced = self.io.forced();
+        let (forced, of_modules) = (self.io.forced(), self.modules.bus.forced());
         self.unload(now);
         self.io.restore_forced(forced);
+        self.modules.bus.restore_forced(of_modules);
         self.system.dates = Dates::load(self.files.store());
         self.system.boot_project = BootProjectStatus::None;
         self.system.events = 0;
@@ -83,7 +84,7 @@ impl Controller {
         self.power.creating = None;
         self.remanent.abandon();
         self.memory.clear();
-        self.io.clear_forcing();
+        self.clear_forcing();
         self.io.unload_functions(now);
         self.leds.identify(false);
         self.power.refresh = None;

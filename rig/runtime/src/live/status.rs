@@ -9,7 +9,7 @@ use control::{
 use controller::{ForcedChannels, FrontPanel, JitterCounts, Led, LedPattern, TaskFigures};
 use drivers::BusState;
 use host::HostMachine;
-use signal::{Address, Area, Span, Time, Value};
+use signal::{Address, Area, Size, Span, Time, Value};
 use std::time::{Duration, Instant};
 
 /// From one look at the machine to the next.
@@ -196,7 +196,16 @@ fn forced(front: &FrontPanel) -> Vec<ForcedPoint> {
             by: None,
         })
     };
-    of(Area::Input, front.forced_inputs).chain(of(Area::Output, front.forced_outputs)).collect()
+    let of_modules = front.forced_places.iter().map(|(address, value)| ForcedPoint {
+        address: address.to_string(),
+        value: WireValue(match address.size() {
+            Size::Bit => Value::Bool(value != 0),
+            _ => Value::Word(value),
+        }),
+        by: None,
+    });
+    let embedded = of(Area::Input, front.forced_inputs).chain(of(Area::Output, front.forced_outputs));
+    embedded.chain(of_modules).collect()
 }
 
 fn point(line: &LineCounts) -> PointStatus {

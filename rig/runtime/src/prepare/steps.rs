@@ -1,7 +1,7 @@
 //! From the steps of a plan to what is done on a bench.
 
 use super::TestBench;
-use super::lines::{driven, embedded_channel, fault_kind, line, of_controller, value_for};
+use super::lines::{driven, fault_kind, forced_place, line, of_controller, value_for};
 use super::meaning::{NameMeaning, SignalMeanings, known_tasks, suggestion};
 use super::waves::generator;
 use crate::application::catalogue::Catalogue;
@@ -15,7 +15,7 @@ use plans::lang::Literal;
 use plans::steps::{AwaitedChange, ProgramRef, StepCondition, Stimulus};
 use plans::{PlanStep, StepTime};
 use profile::IoChannel;
-use signal::{Address, SignalId, SignalInfo, Span, Trace, Value, ValueKind};
+use signal::{Address, SignalId, SignalInfo, Size, Span, Trace, Value, ValueKind};
 
 pub(super) fn plan_step(
     step: &PlanStep,
@@ -61,21 +61,20 @@ pub(super) fn plan_step(
             Vec::new()
         }
         Stimulus::Force { signal, value } => {
-            let channel = embedded_channel(signal, names, bench, step, out)?;
-            let Some(on) = boolean(value) else {
-                out.error(
-                    codes::VALUE_MISFIT,
-                    step.span.clone(),
-                    "a terminal is forced to TRUE or FALSE",
-                    "",
-                );
+            let address = forced_place(signal, names, bench, step, out)?;
+            let Some(value) = forced_value(address, value) else {
+                let message = match address.size() {
+                    Size::Bit => "a terminal is forced to TRUE or FALSE",
+                    _ => "an analogue terminal is forced to a whole number of counts, from -32768 to 65535",
+                };
+                out.error(codes::VALUE_MISFIT, step.span.clone(), message, "");
                 return None;
             };
-            vec![(Span::ZERO, Act::Command(Command::Force { channel, on }, expected(step)))]
+            vec![(Span::ZERO, Act::Command(Command::Force { address, value }, expected(step)))]
         }
         Stimulus::Release { signal } => {
-            let channel = embedded_channel(signal, names, bench, step, out)?;
-            vec![(Span::ZERO, Act::Command(Command::Unforce(channel), expected(step)))]
+            let address = forced_place(signal, names, bench, step, out)?;
+            vec![(Span::ZERO, Act::Command(Command::Unforce(address), expected(step)))]
         }
         Stimulus::Write { of, value } => {
             let observable = match names.meaning(of)? {
@@ -365,6 +364,18 @@ fn awaited(
         out.error(codes::VALUE_MISFIT, step.span.clone(), message, help);
     }
     change
+}
+
+/// What a place of %I or %Q is forced to.
+fn forced_value(address: Address, literal: &Literal) -> Option<u64> {
+    if address.size() == Size::Bit {
+        return boolean(literal).map(u64::from);
+    }
+    let Literal::Value(value) = literal else { return None };
+    let counts = value.as_int()?;
+    // A word has the bits of a signed number as well as of an unsigned one.
+    let word = u16::try_from(counts).or_else(|_| i16::try_from(counts).map(i16::cast_unsigned));
+    word.ok().map(u64::from)
 }
 
 fn boolean(literal: &Literal) -> Option<bool> {
