@@ -13,6 +13,7 @@ mod exchange;
 mod fitted;
 mod force;
 mod image;
+mod safety;
 mod start;
 
 pub use force::ForcedPlaces;
@@ -28,9 +29,10 @@ use exchange::Exchange;
 use fitted::FittedModules;
 use image::{SharedBytes, VirtualImage};
 use profile::{
-    ExchangeCode, IoStatus, LOCAL_MODULES, ModuleFamily, ModuleState, ModuleType,
+    ExchangeCode, IoStatus, LOCAL_MODULES, ModuleFamily, ModuleKind, ModuleState, ModuleType,
     NO_FIRMWARE_VERSION, Profile, Tm3BusState, module_indices,
 };
+use safety::SafetyModule;
 use signal::{Address, Area, Cause, Image, Time};
 
 /// A module as the bus sees it.
@@ -130,12 +132,15 @@ impl ExpansionBus {
                 place,
                 fitted: configured.module,
                 supplied: true,
-                module: Box::new(DigitalModule::new(
-                    first + place,
-                    configured.module,
-                    &addresses,
-                    config.worst_case,
-                )),
+                module: match configured.module.kind {
+                    ModuleKind::Safety => Box::new(SafetyModule::new(configured.module, &addresses)),
+                    _ => Box::new(DigitalModule::new(
+                        first + place,
+                        configured.module,
+                        &addresses,
+                        config.worst_case,
+                    )),
+                },
                 exchange: Exchange::new(configured.module.family == ModuleFamily::Tm3),
             })
             .collect();

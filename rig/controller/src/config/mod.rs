@@ -24,9 +24,13 @@ use signal::Span;
 
 /// Whether there is a model of such a module. What a TM4 module carries has none: it is there, or not.
 pub fn is_module_modelled(module: &ModuleType) -> bool {
-    module.kind.is_link()
-        || module.family == ModuleFamily::Tm4
-        || module.is_on_bus() && module.kind == ModuleKind::Digital
+    match module.kind {
+        ModuleKind::Transmitter | ModuleKind::Receiver => true,
+        ModuleKind::Digital | ModuleKind::Safety => module.is_on_bus(),
+        ModuleKind::Expert => module.digital_inputs.is_some(),
+        ModuleKind::Communication => module.family == ModuleFamily::Tm4,
+        ModuleKind::Analogue => false,
+    }
 }
 
 /// The configuration of a controller. The place of a task in `tasks` is its number everywhere.

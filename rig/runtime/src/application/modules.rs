@@ -29,7 +29,7 @@ pub(crate) fn configure(
     }
     if let Some(place) = modules.iter().position(|one| !is_module_modelled(one.module)) {
         let message = format!("the rig has no model of `{}` yet", modules[place].module.reference);
-        let help = "digital TM3 and TM2 modules, TM4 modules, transmitter and receiver have one: leave the module out";
+        let help = "digital, safety and TM4 modules, TM3XTYS4, transmitter and receiver have one: leave the module out";
         return Err(refused(place, codes::MODULE_NOT_MODELLED, message, help));
     }
     if let Err(full) = reference.module_addresses(&modules) {
