@@ -233,3 +233,16 @@ codes!(
     Tm3BusState,
     ExchangeCode
 );
+
+impl ModuleState {
+    /// Its name in the documents.
+    pub const fn name(self) -> &'static str {
+        match self {
+            ModuleState::Empty => "TM3_EMPTY",
+            ModuleState::ConfigurationError => "TM3_CONF_ERROR",
+            ModuleState::BusError => "TM3_BUS_ERROR",
+            ModuleState::Ok => "TM3_OK",
+            ModuleState::MissingOptional => "TM3_MISSING_OPT_MOD",
+        }
+    }
+}

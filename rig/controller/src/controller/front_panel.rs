@@ -2,6 +2,7 @@
 
 use super::Controller;
 use crate::{ForcedChannels, ForcedPlaces, Led, LedPattern, State};
+use profile::{MODULE_INDICES, ModuleState};
 use signal::Time;
 
 /// The controller from outside.
@@ -21,6 +22,8 @@ pub struct FrontPanel {
     pub forced_outputs: ForcedChannels,
     /// The inputs and outputs of modules that are forced.
     pub forced_places: ForcedPlaces,
+    /// The states of the modules by their indices in TM3_MODULE_R.
+    pub modules: [ModuleState; MODULE_INDICES],
 }
 
 impl Controller {
@@ -35,6 +38,7 @@ impl Controller {
             forced_inputs,
             forced_outputs,
             forced_places: self.modules.bus.forced(),
+            modules: std::array::from_fn(|index| self.module_state(index)),
         }
     }
 }

@@ -3,13 +3,13 @@
 use super::directory::is_written;
 use crate::application::catalogue::Catalogue;
 use control::{
-    BusInfo, ChannelInfo as OnBoard, DeviceInfo, FrameSeen, FunctionInfo, PointDirection, PointInfo,
-    SignalKind, TaskInfo,
+    BusInfo, ChannelInfo as OnBoard, DeviceInfo, FrameSeen, FunctionInfo, ModuleInfo, PointDirection,
+    PointInfo, SignalKind, TaskInfo,
 };
 use controller::{TaskConfig, TaskKind};
 use drivers::{Board, BoardExt, BoardFile, BusId, BusKind, ChannelId, ChannelKind};
 use expert::{CounterKind, CounterMode, FunctionKind};
-use profile::IoChannel;
+use profile::{ConfiguredModule, IoChannel};
 use program::Storage;
 use signal::{Address, Area, CanFrame, SerialErrors, SerialMessage, Size, Time};
 
@@ -182,6 +182,16 @@ pub fn tasks(catalogue: &Catalogue, programs: &[(String, Vec<String>)]) -> Vec<T
         programs: named(&config.name),
     };
     catalogue.tasks().iter().map(task).collect()
+}
+
+/// The expansion modules.
+pub fn modules(catalogue: &Catalogue) -> Vec<ModuleInfo> {
+    let module = |(index, one): (usize, &ConfiguredModule<'_>)| ModuleInfo {
+        index: u8::try_from(index).unwrap_or(u8::MAX),
+        reference: one.module.reference.clone(),
+        optional: one.optional,
+    };
+    catalogue.modules().map(module).collect()
 }
 
 /// The expert functions.

@@ -3,8 +3,8 @@
 use super::describe::DeviceTable;
 use crate::scan_port::{BusCounts, LineCounts, Snapshot, counts};
 use control::{
-    BusInfo, BusStatus, Description, DeviceStatus, ForcedPoint, LedStatus as Lit, PointStatus, RigStatus,
-    Status, StatusWarning, TaskStatus, WireValue,
+    BusInfo, BusStatus, Description, DeviceStatus, ForcedPoint, LedStatus as Lit, ModuleInfo, PointStatus,
+    RigStatus, Status, StatusWarning, TaskStatus, WireValue,
 };
 use controller::{ForcedChannels, FrontPanel, JitterCounts, Led, LedPattern, TaskFigures};
 use drivers::BusState;
@@ -95,6 +95,11 @@ impl StatusSource {
                 .collect(),
             devices: self.devices(),
             buses: now.buses.iter().zip(&description.buses).map(|(counts, info)| bus(counts, info)).collect(),
+            modules: now.front.map_or_else(Vec::new, |front| {
+                let state = |module: &ModuleInfo| front.modules.get(usize::from(module.index));
+                let named = |module| state(module).map_or("", |state| state.name()).to_owned();
+                description.modules.iter().map(named).collect()
+            }),
             rig: RigStatus {
                 late_max: now.late.as_nanos(),
                 late_outputs: now.late_outputs.as_nanos(),
