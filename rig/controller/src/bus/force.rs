@@ -16,47 +16,55 @@ struct ForcedPlace {
 
 /// Places of %I and %Q that are forced, with their values. It has room for 64.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ForcedPlaces([Option<ForcedPlace>; MOST]);
+pub struct ForcedPlaces {
+    places: [Option<ForcedPlace>; MOST],
+    /// How many of them are taken.
+    count: usize,
+}
 
 impl Default for ForcedPlaces {
     fn default() -> ForcedPlaces {
-        ForcedPlaces([None; MOST])
+        ForcedPlaces { places: [None; MOST], count: 0 }
     }
 }
 
 impl ForcedPlaces {
     /// Each place with its value: a bit, or a word in counts.
     pub fn iter(&self) -> impl Iterator<Item = (Address, u64)> {
-        self.0.iter().flatten().map(|place| (place.address, place.value))
+        self.places.iter().flatten().map(|place| (place.address, place.value))
     }
 
     /// Whether none is forced.
-    pub fn is_empty(&self) -> bool {
-        self.0.iter().all(Option::is_none)
+    #[inline]
+    pub const fn is_empty(&self) -> bool {
+        self.count == 0
     }
 
     /// Forces a place. Whether there was room.
     pub(crate) fn force(&mut self, address: Address, value: u64) -> bool {
-        let known = self.0.iter().position(|place| place.is_some_and(|place| place.address == address));
-        let at = known.or_else(|| self.0.iter().position(Option::is_none));
-        let Some(slot) = at.and_then(|at| self.0.get_mut(at)) else { return false };
+        let known = self.places.iter().position(|place| place.is_some_and(|place| place.address == address));
+        let at = known.or_else(|| self.places.iter().position(Option::is_none));
+        let Some(slot) = at.and_then(|at| self.places.get_mut(at)) else { return false };
         let acting = slot.and_then(|before| before.acting);
+        self.count += usize::from(slot.is_none());
         *slot = Some(ForcedPlace { address, value, acting });
         true
     }
 
     /// A place is no longer forced.
     pub(crate) fn release(&mut self, address: Address) {
-        for slot in &mut self.0 {
+        for slot in &mut self.places {
             if slot.is_some_and(|place| place.address == address) {
                 *slot = None;
+                self.count -= 1;
             }
         }
     }
 
     /// The same places, of which none acts yet.
     pub(crate) fn waiting(self) -> ForcedPlaces {
-        ForcedPlaces(self.0.map(|slot| slot.map(|place| ForcedPlace { acting: None, ..place })))
+        let waits = |place: ForcedPlace| ForcedPlace { acting: None, ..place };
+        ForcedPlaces { places: self.places.map(|slot| slot.map(waits)), ..self }
     }
 
     /// The forced inputs.
@@ -69,7 +77,7 @@ impl ForcedPlaces {
         &mut self,
         comes_to: impl Fn(Address) -> bool,
     ) -> impl Iterator<Item = (Address, u64)> {
-        self.0.iter_mut().flatten().filter(|place| place.address.area() == Area::Output).filter_map(
+        self.places.iter_mut().flatten().filter(|place| place.address.area() == Area::Output).filter_map(
             move |place| {
                 if comes_to(place.address) {
                     place.acting = Some(place.value);
