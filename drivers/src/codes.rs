@@ -124,6 +124,7 @@ document::codes! {
     PORT_TWICE = "B0310", "A port or a bus is bound twice";
     PORT_NOT_BOUND = "B0311", "A port of this kind cannot be bound";
     MODULE_UNIT = "B0312", "A channel does not have the unit of its terminal";
+    FITTED = "B0314", "A module that cannot be fitted";
     KINDS_DIFFER = "B0401", "A wire joins channels of different kinds";
     NOT_FOR_ANALOG = "B0402", "An analog wire can neither invert nor bounce";
     BOUNCE = "B0403", "A bounce is impossible";

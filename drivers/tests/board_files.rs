@@ -33,7 +33,8 @@ fn terminals(subject: &Subject) -> Result<Terminals, UnknownSubject> {
         port("CAN_1", "CAN_1", SubjectPortKind::Can),
         port("Ethernet_1", "Ethernet_1", SubjectPortKind::Other("an Ethernet network".into())),
     ];
-    Ok(Terminals { inputs, outputs, ports })
+    let modules = ["TM3DI16", "TM3DQ16T"].map(String::from).to_vec();
+    Ok(Terminals { inputs, outputs, ports, modules })
 }
 
 /// As [`terminals`] but with levels alone, as the controllers have them.

@@ -15,6 +15,7 @@ pub mod judge;
 pub mod lang;
 mod meaning;
 pub mod measure;
+mod module_names;
 pub mod monitor;
 pub mod plan;
 pub mod register;

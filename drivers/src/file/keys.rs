@@ -50,6 +50,11 @@ pub const KEYS: &[KeySpec] = &[
     ),
     KeySpec::optional("bind", KeyType::Map(&NAME), "Terminals of the controller and their channels"),
     KeySpec::optional("ports", KeyType::Map(&NAME), "Ports of the controller and the buses that they are on"),
+    KeySpec::optional(
+        "modules",
+        KeyType::List(&KeyType::Either(&[NAME, KeyType::Table(MODULE)])),
+        "Expansion modules that are fitted; exactly those that a plan configures if left out",
+    ),
     KeySpec::optional("wires", KeyType::List(&KeyType::Table(WIRE)), "Wires between channels"),
     KeySpec::optional("plants", KeyType::List(&KeyType::Table(PLANT)), "Processes between channels"),
     KeySpec::optional(
@@ -387,6 +392,8 @@ pub(super) const FAULT_RELAYS: &[KeySpec] = &[
         "Channels on whose wires no fault may be at the same time",
     ),
 ];
+
+pub(super) const MODULE: &[KeySpec] = &[KeySpec::required("type", NAME, "Its reference, as in \"TM3DI16\"")];
 
 pub(super) const WIRE: &[KeySpec] = &[
     KeySpec::required("from", NAME, "The channel that it listens to"),

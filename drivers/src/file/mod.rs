@@ -56,6 +56,8 @@ pub struct Terminals {
     pub outputs: Vec<Address>,
     /// Its ports.
     pub ports: Vec<SubjectPort>,
+    /// The references of the modules that can be fitted beside it.
+    pub modules: Vec<String>,
 }
 
 /// A subject that does not exist, with the names that do.
@@ -125,6 +127,8 @@ pub struct BoardFile {
     pub sensors: Vec<(ChannelId, SensorCurve)>,
     /// Ports of the controller and their buses, in the order of the file. Each port and each bus once.
     pub ports: Vec<PortBinding>,
+    /// The references of the modules that are fitted, in the order of the bus; exactly those that are configured if none.
+    pub fitted: Option<Vec<String>>,
     /// Trouble that the board is to make by itself, if any.
     pub disturbance: Option<Disturbance>,
     /// How the outputs of a real board are guarded.
@@ -168,6 +172,7 @@ impl BoardFile {
             bind,
             sensors: Vec::new(),
             ports: Vec::new(),
+            fitted: None,
             disturbance: None,
             guard: GuardSettings::default(),
             realtime: RealtimeSettings::default(),

@@ -1,9 +1,9 @@
-//! Terminals of modules on a board: a channel has the name of its terminal.
+//! Expansion modules of a board: which are fitted, and their terminals, which go with the channels of their names.
 
-use document::Diagnostic;
+use document::{Diagnostic, Fields, Findings, Node, suggest};
 use signal::{Address, Area, Unit};
 
-use super::{Binding, BoardFile, codes};
+use super::{Binding, BoardFile, Subject, codes, keys};
 use crate::circuit::{ChannelSpec, MAX_PARTS, Pull};
 use crate::sensor::SensorCurve;
 use crate::{ChannelId, ChannelKind};
@@ -28,6 +28,51 @@ pub enum ModuleTerminalKind {
     Number(Unit),
     /// A temperature in degrees Celsius, or what a sensor with this curve shows.
     Temperature(Option<SensorCurve>),
+}
+
+/// More modules than are fitted beside any controller.
+const MOST: usize = 32;
+
+/// The references of `modules`, as `known` writes them.
+pub(super) fn fitted(
+    fields: &Fields,
+    known: &[String],
+    subject: &Subject,
+    out: &mut Findings,
+) -> Option<Vec<String>> {
+    let node = fields.get("modules")?;
+    if subject.is_external() {
+        out.bad(
+            codes::FITTED,
+            node,
+            "a real controller finds its modules by itself",
+            "remove `modules`: it is what is fitted beside the rig's own controller",
+        );
+        return None;
+    }
+    let list = fields.each("modules");
+    if let Some(node) = list.get(MOST) {
+        out.bad(codes::FITTED, node, format!("more than {MOST} modules"), "no controller takes so many");
+    }
+    Some(list.iter().take(MOST).filter_map(|node| reference(node, known, out)).collect())
+}
+
+fn reference(node: &Node, known: &[String], out: &mut Findings) -> Option<String> {
+    let fields = node.as_table().map(|table| Fields::checked(table, keys::MODULE));
+    let node = match &fields {
+        Some(fields) => fields.get("type")?,
+        None => node,
+    };
+    let name = node.as_text()?.trim();
+    let found = known.iter().find(|known| known.eq_ignore_ascii_case(name)).cloned();
+    if found.is_none() {
+        let help = match suggest(&name.to_uppercase(), known.iter().map(String::as_str)) {
+            Some(near) => format!("did you mean `{near}`? `rig explain modules` lists them"),
+            None => String::from("`rig explain modules` lists them"),
+        };
+        out.bad(codes::FITTED, node, format!("the catalogue has no module `{name}`"), help);
+    }
+    found
 }
 
 impl BoardFile {

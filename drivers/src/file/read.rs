@@ -8,7 +8,7 @@ use super::realtime::realtime;
 use super::subject::{subject, subject_lines};
 use super::{
     BoardFile, BoardKind, OnLoss, Subject, Terminals, UnknownSubject, check, clock, codes, control, delays,
-    guard, keys, parts, ports, real, sim_buses, statements,
+    guard, keys, modules, parts, ports, real, sim_buses, statements,
 };
 
 /// Reads a board file. `terminals` says which terminals a subject has.
@@ -62,6 +62,7 @@ pub fn read(
         bench.bind_by_name();
     }
     bench.bind(entries("bind"), &mut out);
+    bench.file.fitted = modules::fitted(&fields, &terminals.modules, &bench.file.subject, &mut out);
     bench.file.ports = ports::read(&fields, &terminals.ports, !real, &mut out);
     if let Some(fields) = fields.inner("subject") {
         bench.file.lines = subject_lines(&fields, &bench, &mut out);

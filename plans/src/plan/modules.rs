@@ -7,12 +7,13 @@
 
 use std::ops::Range;
 
-use document::{Fields, Findings, KeySpec, KeyType, Node, suggest};
+use document::{Fields, Findings, KeySpec, KeyType, Node};
 use profile::{AnalogueInputSettings, AnalogueOutputSettings, ModuleType};
 use signal::Span;
 
 use super::analogue;
 use crate::codes;
+use crate::module_names::find_module;
 
 /// The keys of a module.
 const MODULE_KEYS: &[KeySpec] = &[
@@ -71,16 +72,7 @@ fn module(node: &Node, out: &mut Findings) -> Option<ModuleSettings> {
         Some(fields) => fields.get("type")?,
         None => node,
     };
-    let name = reference.as_text()?.trim();
-    let Some(module) = catalogue::find(name) else {
-        let known = catalogue::modules().iter().map(|module| module.reference.as_str());
-        let help = match suggest(&name.to_uppercase(), known) {
-            Some(near) => format!("did you mean `{near}`? `rig explain modules` lists them"),
-            None => String::from("`rig explain modules` lists them"),
-        };
-        out.bad(codes::MODULE, reference, format!("the catalogue has no module `{name}`"), help);
-        return None;
-    };
+    let module = find_module(reference, out)?;
     let mut settings = ModuleSettings {
         module,
         optional: false,
@@ -92,7 +84,7 @@ fn module(node: &Node, out: &mut Findings) -> Option<ModuleSettings> {
     };
     if let Some(fields) = &fields {
         if let Some(entry) = fields.entry("status").filter(|_| module.status_bytes() == 0) {
-            let message = format!("{name} has no status bytes");
+            let message = format!("{} has no status bytes", module.reference);
             let help = "remove `status`: only a module with analogue channels has it";
             out.error(codes::CHANNEL_KEY, entry.key_span.clone(), message, help);
         }

@@ -115,6 +115,11 @@ pub(super) const SETTINGS_KEYS: &[KeySpec] = &[
         "The task that exchanges what no task uses; MAST if left out, `<unspecified>` for the slowest.",
     ),
     KeySpec::optional(
+        "io-bus-task",
+        KeyType::Choice(&["parent", "mast"]),
+        "The task that exchanges with expansion modules: the bus cycle task if left out, or MAST.",
+    ),
+    KeySpec::optional(
         "always-update",
         KeyType::Choice(&["disabled", "enabled-1", "enabled-2"]),
         "Always update variables: what the bus cycle task exchanges.",
@@ -258,6 +263,8 @@ pub struct PlanSettings {
     pub watchdog_basis: Option<WatchdogBasis>,
     /// The bus cycle task: the name of a task, or `<unspecified>`.
     pub bus_cycle_task: Option<String>,
+    /// MAST exchanges with expansion modules, whatever the bus cycle task.
+    pub io_bus_mast: Option<bool>,
     /// What the bus cycle task exchanges.
     pub always_update: Option<AlwaysUpdate>,
     /// What is said of tasks; MAST first where it is named. MAST exists in any case.
@@ -334,6 +341,7 @@ pub(super) fn read(fields: &Fields<'_>, out: &mut Findings) -> PlanSettings {
             _ => WatchdogBasis::Elapsed,
         }),
         bus_cycle_task: fields.text("bus-cycle-task").map(str::to_owned),
+        io_bus_mast: fields.text("io-bus-task").map(|task| task == "mast"),
         always_update: fields.text("always-update").map(|update| match update {
             "enabled-1" => AlwaysUpdate::Enabled1,
             "enabled-2" => AlwaysUpdate::Enabled2,

@@ -25,6 +25,7 @@ mod wave;
 use std::sync::Arc;
 
 use document::{Fields, Findings, KeySpec, KeyType, Node};
+use profile::ModuleType;
 use signal::{Address, Span};
 
 use crate::frames::can::Databases;
@@ -96,6 +97,8 @@ pub static VERBS: &[StepVerb] = &[
     disturb::INTERNAL_ERROR,
     control::MARK,
     disturb::MODULE_FAULT,
+    disturb::SUPPLY_BUS,
+    disturb::LINK_CUT,
     application::MULTIPLE_DOWNLOAD,
     wave::NOISE,
     debug::ONLINE_CHANGE,
@@ -169,13 +172,30 @@ pub enum DisturbanceKind {
     External(u8),
     /// The controller itself is in error.
     Internal(InternalErrorKind),
-    /// An expansion module does not answer.
-    SilentModule {
+    /// Something is wrong with an expansion module.
+    Module {
         /// Its index in TM3_MODULE_R.
         index: u8,
-        /// For so many exchanges; `None`: until it is taken back.
-        exchanges: Option<u32>,
+        /// What is wrong.
+        fault: ModuleFaultKind,
     },
+    /// The expansion bus has no supply.
+    NoBusSupply,
+    /// Transmitter and receiver are not joined.
+    NoBusLink,
+}
+
+/// What is wrong with an expansion module.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ModuleFaultKind {
+    /// It does not answer, for so many exchanges; `None`: until it is taken back.
+    Silent(Option<u32>),
+    /// It is pulled out.
+    Pulled,
+    /// Another module is in its place; none where that is over.
+    Replaced(Option<&'static ModuleType>),
+    /// It does not answer, and disturbs the modules beside it.
+    Disturbs,
 }
 
 /// What goes wrong inside the controller (controller:ERR-01, controller:WD-14).
@@ -424,7 +444,9 @@ impl Stimulus {
             Stimulus::Disturb { what: DisturbanceKind::NoIoSupply, .. } => "supply-io",
             Stimulus::Disturb { what: DisturbanceKind::External(_), .. } => "external-error",
             Stimulus::Disturb { what: DisturbanceKind::Internal(_), .. } => "internal-error",
-            Stimulus::Disturb { what: DisturbanceKind::SilentModule { .. }, .. } => "module-fault",
+            Stimulus::Disturb { what: DisturbanceKind::Module { .. }, .. } => "module-fault",
+            Stimulus::Disturb { what: DisturbanceKind::NoBusSupply, .. } => "supply-bus",
+            Stimulus::Disturb { what: DisturbanceKind::NoBusLink, .. } => "link-cut",
             Stimulus::Train(_) => "train",
             Stimulus::Wave(wave) => wave.verb(),
             Stimulus::Encoder(_) => "encoder",

@@ -19,11 +19,11 @@ pub use client::{ClientError, Connection, ControlClient, connect};
 pub use codes::CODES;
 pub use message::{
     Advanced, BusInfo, BusStatus, ChannelInfo, ControllerAction, Description, DeviceInfo, DeviceStatus, Done,
-    ForcedPoint, Forces, FrameSeen, FunctionInfo, Greeting, LedStatus, Locked, Measured, PlanEvent,
-    PlanStatus, Plans, PointDirection, PointInfo, PointStatus, REQUEST_FIELDS, Reply, Request, RequestFault,
-    RequestOperation, RigLogLine, RigStatus, ServerMessage, Signal, SignalChange, SignalKind, SignalValues,
-    Status, StatusWarning, SubjectKind, Subscribed, SubscriptionEvent, TOPIC_FIELDS, TaskInfo, TaskStatus,
-    TimeSource, Topic,
+    ForcedPoint, Forces, FrameSeen, FunctionInfo, Greeting, LedStatus, Locked, Measured, ModuleInfo,
+    PlanEvent, PlanStatus, Plans, PointDirection, PointInfo, PointStatus, REQUEST_FIELDS, Reply, Request,
+    RequestFault, RequestOperation, RigLogLine, RigStatus, ServerMessage, Signal, SignalChange, SignalKind,
+    SignalValues, Status, StatusWarning, SubjectKind, Subscribed, SubscriptionEvent, TOPIC_FIELDS, TaskInfo,
+    TaskStatus, TimeSource, Topic,
 };
 pub use signal::{Span, Value};
 pub use value::WireValue;

@@ -154,6 +154,10 @@ pub enum SystemCall {
     SetRtcDrift,
     /// To keep the indicator of the battery dark (controller:LED-05).
     InhibitBatteryLed,
+    /// The code of the last exchange with the expansion module of this index (io:DIAG-04).
+    ModuleBusStatus,
+    /// The version of its firmware (io:DIAG-05).
+    ModuleFirmware,
 }
 
 /// What a call of [`Application::resume`] did.

@@ -2,7 +2,7 @@
 
 use crate::application::LoadError;
 use crate::state::State;
-use profile::IoChannel;
+use signal::Address;
 use thiserror::Error;
 
 /// A command of a user or a tool.
@@ -44,15 +44,15 @@ pub enum Command {
         /// It is valid from then on.
         valid: bool,
     },
-    /// Force the value of an embedded input or output (controller:FRC-01).
+    /// Force the value of an input or output (controller:FRC-01).
     Force {
-        /// What is forced.
-        channel: IoChannel,
-        /// Its value.
-        on: bool,
+        /// Its place in %I or %Q.
+        address: Address,
+        /// Its value: 0 or 1, or the counts of an analogue channel.
+        value: u64,
     },
-    /// End the forcing of an embedded input or output.
-    Unforce(IoChannel),
+    /// End the forcing of an input or output, by its place in %I or %Q.
+    Unforce(Address),
     /// Move the Run/Stop switch: TRUE to Run (controller:RS-01).
     Switch(bool),
     /// Go on with another application that keeps the values of its variables (controller:TR-17, controller:TR-18).
@@ -110,9 +110,12 @@ pub enum CommandError {
     /// A stop is under way: a cycle is being finished.
     #[error("a stop is under way")]
     Stopping,
-    /// The reference has no such channel.
-    #[error("the reference has no {} {}", .0.kind(), .0)]
-    NoChannel(IoChannel),
+    /// No input or output is at this place.
+    #[error("no input or output of the controller is at {0}")]
+    NoChannel(Address),
+    /// No more channels of modules can be forced at once.
+    #[error("64 channels of modules are forced, which is as many as there can be")]
+    TooManyForced,
     /// An expert function drives the output (io:OUT-21).
     #[error("an expert function drives Q{0}")]
     ExpertOutput(usize),

@@ -2,8 +2,10 @@
 //! of inputs and outputs, errors of its own. What goes wrong around it does not change the state by itself
 //! (controller:TR-23).
 
+use profile::ModuleType;
+
 /// Something that goes wrong in the world around the controller, or is over, or in the controller itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Disturbance {
     /// A short circuit at an output; it takes a current while the output is on.
     ShortCircuit {
@@ -30,13 +32,30 @@ pub enum Disturbance {
     },
     /// The controller itself is in error (controller:ERR-01, controller:WD-14).
     InternalError(InternalError),
-    /// A module on the expansion bus does not answer (io:ERR-01).
-    SilentModule {
+    /// Something is wrong with a module on the expansion bus, or is over.
+    Module {
         /// Its index in TM3_MODULE_R.
         index: usize,
-        /// For so many exchanges; none until it is said to answer again, which is 0.
-        exchanges: Option<u32>,
+        /// What is wrong.
+        fault: ModuleFault,
     },
+    /// The expansion bus has its supply, or not (io:HW-04).
+    BusSupply(bool),
+    /// Transmitter and receiver of the expansion bus are joined, or not.
+    BusLink(bool),
+}
+
+/// What goes wrong with a module on the expansion bus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ModuleFault {
+    /// It does not answer for so many exchanges (io:ERR-01); none until it is said to answer again, which is 0.
+    Silent(Option<u32>),
+    /// It is pulled out, or put back. Modules after it are not reached in between.
+    Pulled(bool),
+    /// Another module is in its place; with none, that which was there at first (io:OPT-04, io:OPT-06).
+    Replaced(Option<&'static ModuleType>),
+    /// It does not answer and disturbs the exchange with the modules beside it, or stops (io:ERR-15).
+    Disturbs(bool),
 }
 
 /// What goes wrong inside the controller.
@@ -74,9 +93,12 @@ impl ExternalErrors {
         }
     }
 
-    /// PLC_R.i_lwSystemFault_1: a 0 for every part in error. Bits 0 and 1 are of the expansion bus (io:ERR-02).
-    pub(crate) const fn word(self, is_bus_in_error: bool) -> u64 {
-        !(self.faults | if is_bus_in_error { BUS_BITS } else { 0 })
+    /// PLC_R.i_lwSystemFault_1: a 0 for every part in error. Bits 0 and 1 are of the expansion bus (io:ERR-02), bit 9 of that
+    /// of TM4.
+    pub(crate) const fn word(self, is_bus_wrong: bool, is_tm4_wrong: bool) -> u64 {
+        let bus = if is_bus_wrong { BUS_BITS } else { 0 };
+        let tm4 = if is_tm4_wrong { 1 << TM4_BIT } else { 0 };
+        !(self.faults | bus | tm4)
     }
 
     /// Whether any part is in error.

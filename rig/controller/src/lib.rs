@@ -51,7 +51,7 @@ mod terminal;
 pub use application::{
     Application, ApplicationFault, FaultClass, LoadError, Loader, Slice, SliceEnd, SystemCall, VariableReset,
 };
-pub use bus::{BusStart, ConfiguredPosition, ExtraModules, PositionState, compare_modules};
+pub use bus::{BusStart, ConfiguredPosition, ExtraModules, ForcedPlaces, PositionState, compare_modules};
 pub use command::{Command, CommandError, DeviceReset, WriteError};
 pub use config::{
     AlwaysUpdate, BusCycle, Config, ConfigError, HaltOutputs, InputConfig, InputFault, OutputsInStop,
@@ -64,7 +64,7 @@ pub use endpoint::{
     Endpoint, OUTBOX_MESSAGES, OutboxFull, PortEvent, PortLife, PortMessage, PortOutbox, SerialBytes,
 };
 pub use event_source::ExternalEventSource;
-pub use external::{Disturbance, FAULT_BITS, InternalError};
+pub use external::{Disturbance, FAULT_BITS, InternalError, ModuleFault};
 pub use files::{FileError, FileProbe, FileUser, LONGEST_PATH};
 pub use io::ForcedChannels;
 pub use led::{Led, LedPattern};

@@ -6,7 +6,7 @@ use crate::config::{Config, OutputsInStop};
 use crate::memory::Memory;
 use crate::module::{IoModule, ModuleChannel, TaskModule};
 use crate::state::State;
-use profile::{IoChannel, IoStatus, ModuleFamily};
+use profile::{IoChannel, IoStatus, ModuleFamily, ModuleType};
 use signal::{Cause, Time};
 
 /// Which outputs of modules take their default values when initialization values are over (controller:OUT-05, controller:OUT-06).
@@ -27,6 +27,10 @@ pub(crate) struct Modules {
     list: Vec<Box<dyn TaskModule>>,
     /// The expansion bus.
     pub(crate) bus: ExpansionBus,
+    /// The TM4 modules that are fitted are not those that are configured. They are a chain of their own (io:BUS-04).
+    tm4_differs: bool,
+    /// That is an error, since there is an application.
+    tm4_error: bool,
     /// At each update in STOPPED and HALT their outputs are set to their default values.
     at_defaults: bool,
     /// What becomes of them at the end of initialization values.
@@ -45,7 +49,37 @@ impl Modules {
         }
         list.extend(others);
         let bus = ExpansionBus::new(config, 1 + list.len());
-        Modules { list, bus, at_defaults: false, defaulted: DefaultedOutputs::None }
+        let tm4 = |module: &&ModuleType| module.family == ModuleFamily::Tm4;
+        let configured = config.modules.iter().map(|one| one.module).filter(tm4);
+        let tm4_differs = config.fitted.as_ref().is_some_and(|fitted| {
+            let references = |module: &'static ModuleType| module.reference.as_str();
+            !configured.map(references).eq(fitted.iter().copied().filter(tm4).map(references))
+        });
+        Modules {
+            list,
+            bus,
+            tm4_differs,
+            tm4_error: false,
+            at_defaults: false,
+            defaulted: DefaultedOutputs::None,
+        }
+    }
+
+    /// The buses start with an application at `now`.
+    pub(crate) fn start(&mut self, now: Time) {
+        self.tm4_error = self.tm4_differs;
+        self.bus.start(now);
+    }
+
+    /// There is no application any more.
+    pub(crate) fn unload(&mut self) {
+        self.tm4_error = false;
+        self.bus.unload();
+    }
+
+    /// Whether the TM4 bus is in error.
+    pub(crate) fn tm4_error(&self) -> bool {
+        self.tm4_error
     }
 
     /// Each module that tasks exchange, first the embedded I/O.
@@ -141,8 +175,9 @@ impl Modules {
         if state == State::Empty && !self.list.is_empty() {
             return IoStatus::NotInitialised;
         }
-        if self.bus.is_in_error() {
-            return IoStatus::BusError;
+        let bus = self.bus.status();
+        if bus != IoStatus::Ok {
+            return bus;
         }
         let wrong = self.list.iter().map(|module| module.status()).find(|status| *status != IoStatus::Ok);
         wrong.unwrap_or(IoStatus::Ok)

@@ -96,7 +96,8 @@ fn shown(rig: &Rig, output: usize) -> Vec<(Span, Value)> {
 }
 
 fn silence(rig: &mut Rig, exchanges: Option<u32>) {
-    rig.plc.disturb(rig.now, Disturbance::SilentModule { index: 0, exchanges }, &mut Effects::new());
+    let fault = ModuleFault::Silent(exchanges);
+    rig.plc.disturb(rig.now, Disturbance::Module { index: 0, fault }, &mut Effects::new());
 }
 
 // io:ADR-05, io:DIAG-06

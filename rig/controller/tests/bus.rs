@@ -183,10 +183,18 @@ fn two_modules(profile: Profile) -> Rig {
     rig
 }
 
-fn silence(rig: &mut Rig, index: usize, exchanges: Option<u32>) {
+fn fault(rig: &mut Rig, index: usize, fault: ModuleFault) {
+    disturb(rig, Disturbance::Module { index, fault });
+}
+
+fn disturb(rig: &mut Rig, disturbance: Disturbance) {
     let mut fx = Effects::new();
-    rig.plc.disturb(rig.now, Disturbance::SilentModule { index, exchanges }, &mut fx);
+    rig.plc.disturb(rig.now, disturbance, &mut fx);
     rig.fx = fx;
+}
+
+fn silence(rig: &mut Rig, index: usize, exchanges: Option<u32>) {
+    fault(rig, index, ModuleFault::Silent(exchanges));
 }
 
 fn states(rig: &Rig) -> [ModuleState; 3] {
@@ -351,4 +359,84 @@ fn a_missing_optional_module_that_comes_back_waits_for_a_start() {
     assert_eq!((states(&rig)[1], rig.plc.read(&output)), (ModuleState::MissingOptional, Value::Bool(false)));
     reset(&mut rig);
     assert_eq!((states(&rig)[1], rig.plc.read(&output)), (OK, Value::Bool(true)));
+}
+
+/// Another module, of this ID code.
+fn other(id: u8) -> &'static ModuleType {
+    let mut other = module().module.clone();
+    other.id = Some(id);
+    Box::leak(Box::new(other))
+}
+
+// io:OPT-06, io:OPT-07, io:ERR-01: what is fitted is not what is configured.
+#[test]
+fn what_is_fitted_is_compared_at_the_start() {
+    let own = module().module;
+    let status = |status: IoStatus| u64::from(status.code());
+    for (fitted, expected, shown_as) in [
+        (vec![own, own], [OK, OK, EMPTY], (3, status(IoStatus::Ok), false)),
+        (
+            vec![own, other(201)],
+            [OK, ModuleState::ConfigurationError, EMPTY],
+            (0, status(IoStatus::ConfigurationFault), true),
+        ),
+        (vec![own, own, own], [OK, OK, EMPTY], (0, status(IoStatus::ConfigurationFault), true)),
+        (vec![own], [OK, BUS_ERROR, EMPTY], (0, status(IoStatus::BusError), true)),
+    ] {
+        let mut config = config();
+        config.tasks = vec![task("MAST", 15, ms(20))];
+        (config.modules, config.fitted) = (vec![module(), module()], Some(fitted));
+        let mut rig = Rig::running(config, copies());
+        rig.plc.input(rig.now, input(1, 0), Value::Bool(true));
+        rig.after(ms(100));
+        assert_eq!((states(&rig), shown(&rig)), (expected, shown_as));
+        assert_eq!(rig.memory("%IX4.0"), u64::from(!shown_as.2));
+    }
+}
+
+// A module that is pulled takes the one after it along, at once; under passive handling both are driven again when it is back.
+#[test]
+fn a_pulled_module_ends_the_chain() {
+    let mut rig = two_modules(Profile::M241_2014);
+    let output = |rig: &Rig, module| {
+        rig.plc.read(&Probe::Terminal(Terminal { module, channel: IoChannel::Output(0) }))
+    };
+    assert_eq!([1, 2].map(|module| output(&rig, module)), [Value::Bool(true); 2]);
+    fault(&mut rig, 0, ModuleFault::Pulled(true));
+    rig.after(ms(1));
+    assert_eq!([1, 2].map(|module| output(&rig, module)), [Value::Bool(false); 2]);
+    rig.after(ms(50));
+    assert_eq!(states(&rig), [BUS_ERROR, BUS_ERROR, EMPTY]);
+    fault(&mut rig, 0, ModuleFault::Pulled(false));
+    rig.after(ms(60));
+    assert_eq!(states(&rig), [OK, OK, EMPTY]);
+    assert_eq!([1, 2].map(|module| output(&rig, module)), [Value::Bool(true); 2]);
+}
+
+// io:ERR-15: the module beside the disturbing one is in error and driven all the same.
+#[test]
+fn a_disturbed_module_is_in_error_and_exchanged() {
+    let mut rig = two_modules(Profile::M241_2014);
+    fault(&mut rig, 1, ModuleFault::Disturbs(true));
+    rig.after(ms(60));
+    assert_eq!(states(&rig), [BUS_ERROR, BUS_ERROR, EMPTY]);
+    rig.plc.input(rig.now, input(1, 0), Value::Bool(false));
+    rig.after(ms(60));
+    assert_eq!((rig.memory("%IX4.0"), rig.memory("%QX4.0")), (0, 0));
+}
+
+// io:HW-04: without its supply the bus has a state of its own.
+#[test]
+fn a_bus_without_supply_reaches_nothing() {
+    let mut rig = two_modules(Profile::M241_2019);
+    let state = |rig: &Rig| rig.plc.read(&Probe::System(SystemVariable::Tm3BusState));
+    disturb(&mut rig, Disturbance::BusSupply(false));
+    assert_eq!(state(&rig), Value::Word(4));
+    rig.after(ms(60));
+    assert_eq!(states(&rig), [BUS_ERROR, BUS_ERROR, EMPTY]);
+    disturb(&mut rig, Disturbance::BusSupply(true));
+    rig.after(ms(60));
+    assert_eq!((state(&rig), states(&rig)[0]), (Value::Word(3), BUS_ERROR));
+    rig.command(Command::ResetWarm).unwrap();
+    assert_eq!(states(&rig), [OK, OK, EMPTY]);
 }

@@ -4,7 +4,7 @@ use crate::support::*;
 use expert::{ExpertConfig, FunctionConfig, FunctionKind, FunctionProbe, WaveConfig};
 use profile::{BounceFilter, ChannelSet, InputFilter, IoChannel};
 use scanrig_controller::*;
-use signal::{Level, Span, Time, Value};
+use signal::{Address, Area, Level, Span, Time, Value};
 
 /// A PWM on Q0 that I0 may enable, and a generator on Q4, which is no fast output.
 fn functions() -> ExpertConfig {
@@ -127,7 +127,7 @@ fn outputs_of_functions_show_defaults_behind_downloads_and_resets() {
 #[test]
 fn outputs_of_functions_cannot_be_forced() {
     let mut rig = with(|_| ());
-    let force = |output| Command::Force { channel: IoChannel::Output(output), on: true };
+    let force = |bit| Command::Force { address: Address::bit(Area::Output, bit), value: 1 };
     assert_eq!(rig.command(force(0)), Err(CommandError::ExpertOutput(0)));
     assert_eq!(rig.command(force(4)), Err(CommandError::ExpertOutput(4)));
     assert_eq!(rig.command(force(1)), Ok(()));

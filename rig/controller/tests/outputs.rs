@@ -1,7 +1,7 @@
 //! Outputs and inputs by state, and forcing.
 
 use crate::support::*;
-use profile::{ChannelSet, InputFilter, IoChannel, Profile};
+use profile::{ChannelSet, InputFilter, Profile};
 use scanrig_controller::*;
 use signal::{Cause, Level, Span, Value};
 
@@ -117,19 +117,19 @@ fn outputs_through_a_boot() {
 #[test]
 fn forced_outputs() {
     let mut rig = with(|_| {});
-    let q4 = IoChannel::at(at("%QX0.4"), config().reference).unwrap();
+    let q4 = at("%QX0.4");
     rig.to(run_at(ms(55)));
-    rig.command(Command::Force { channel: q4, on: false }).unwrap();
+    rig.command(Command::Force { address: q4, value: 0 }).unwrap();
     rig.to(run_at(ms(59)));
     assert_eq!(rig.terminal(4), Level::High, "no cycle has ended yet");
     rig.to(run_at(ms(65)));
     assert_eq!(rig.edges(4).last(), Some(&(run_at(us(60_253)), Level::Low)));
     // It stays in STOPPED, whatever the default value.
-    rig.command(Command::Force { channel: q4, on: true }).unwrap();
+    rig.command(Command::Force { address: q4, value: 1 }).unwrap();
     rig.command(Command::Stop).unwrap();
     rig.after(ms(30));
     assert_eq!(rig.terminal(4), Level::High);
-    rig.command(Command::Force { channel: q4, on: false }).unwrap();
+    rig.command(Command::Force { address: q4, value: 0 }).unwrap();
     rig.after(ms(21));
     assert_eq!(rig.terminal(4), Level::Low, "the bus cycle goes on in STOPPED");
     rig.command(Command::Run).unwrap();
@@ -137,12 +137,12 @@ fn forced_outputs() {
     rig.command(Command::Unforce(q4)).unwrap();
     rig.after(ms(21));
     assert_eq!(rig.terminal(4), Level::High);
-    rig.command(Command::Force { channel: q4, on: true }).unwrap();
+    rig.command(Command::Force { address: q4, value: 1 }).unwrap();
     rig.command(Command::ResetWarm).unwrap();
     rig.after(ms(21));
     assert_eq!(rig.terminal(4), Level::Low, "a reset ends forcing");
-    let none = IoChannel::Output(10);
-    assert_eq!(rig.command(Command::Force { channel: none, on: true }), Err(CommandError::NoChannel(none)));
+    let none = at("%QX1.2");
+    assert_eq!(rig.command(Command::Force { address: none, value: 1 }), Err(CommandError::NoChannel(none)));
 }
 
 // controller:FRC-05: both tasks write the byte, one of them the output.
@@ -153,7 +153,7 @@ fn forcing_comes_to_an_output_with_the_task_that_writes_it() {
     let store = |place: &str| vec![(1_000, Act::Store(at(place), 0))];
     let mut rig = Rig::running(config, Script::new(vec![store("%QX0.4"), store("%QX0.5")]));
     rig.to(run_at(ms(110)));
-    rig.command(Command::Force { channel: IoChannel::Output(5), on: true }).unwrap();
+    rig.command(Command::Force { address: at("%QX0.5"), value: 1 }).unwrap();
     rig.to(run_at(ms(190)));
     assert_eq!(rig.terminal(5), Level::Low, "MAST writes another bit of the byte");
     rig.to(run_at(ms(210)));
@@ -195,10 +195,10 @@ fn status_and_rearming_go_with_the_task_that_uses_them() {
 #[test]
 fn forced_inputs() {
     let mut rig = with(|_| {});
-    rig.command(Command::Force { channel: IoChannel::Input(0), on: true }).unwrap();
+    rig.command(Command::Force { address: at("%IX0.0"), value: 1 }).unwrap();
     rig.after(ms(20));
     assert_eq!((rig.memory("%IX0.0"), rig.terminal(5)), (1, Level::High));
-    rig.command(Command::Unforce(IoChannel::Input(0))).unwrap();
+    rig.command(Command::Unforce(at("%IX0.0"))).unwrap();
     rig.after(ms(20));
     assert_eq!((rig.memory("%IX0.0"), rig.terminal(5)), (0, Level::Low));
 }

@@ -20,6 +20,13 @@ impl ExpectedInput {
         ExpectedInput { kind: Some(SignalKind::Bool), ..ExpectedInput::default() }
     }
 
+    /// What the place of an input or output takes: a level, or the counts of a word.
+    pub fn at(address: &str) -> ExpectedInput {
+        let is_word = ["%IW", "%QW"].iter().any(|word| address.starts_with(word));
+        let kind = if is_word { SignalKind::Int } else { SignalKind::Bool };
+        ExpectedInput { kind: Some(kind), ..ExpectedInput::default() }
+    }
+
     /// A value of this signal.
     pub fn of(signal: &Signal) -> ExpectedInput {
         ExpectedInput {

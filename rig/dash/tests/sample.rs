@@ -110,6 +110,7 @@ pub fn description() -> Description {
                 ..BusInfo::default()
             },
         ],
+        modules: Vec::new(),
         devices: vec![
             DeviceInfo {
                 name: "lines".to_owned(),
@@ -175,6 +176,7 @@ pub fn status() -> Status {
             BusStatus { state: "error-active".to_owned(), received: 1_204, sent: 87, errors: 1, dropped: 0 },
             BusStatus { state: "open".to_owned(), received: 512, sent: 64, errors: 0, dropped: 0 },
         ],
+        modules: Vec::new(),
         rig: RigStatus { late_max: 81_000, late_counts: counts, realtime: true, ..RigStatus::default() },
         troubles: vec![StatusWarning {
             kind: "lost".to_owned(),

@@ -192,6 +192,25 @@ pub enum Tm3BusState {
     PowerSupplyError = 4,
 }
 
+/// How an exchange with an expansion module went, TM3_ERR_CODE (io:DIAG-03, plcsystem: 9.15).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u16)]
+pub enum ExchangeCode {
+    /// TM3_NO_ERR: the last one succeeded.
+    NoError = 0x00,
+    /// TM3_ERR_FAILED: it did not.
+    Failed = 0x01,
+    /// TM3_ERR_PARAMETER: there is no such module.
+    Parameter = 0x02,
+    /// TM3_ERR_COK: an error of the hardware of a module.
+    Hardware = 0x03,
+    /// TM3_ERR_BUS: an error of the bus.
+    Bus = 0x04,
+}
+
+/// What TM3_GetModuleFWVersion gives where it cannot read the version (io:DIAG-05).
+pub const NO_FIRMWARE_VERSION: u16 = 0xFFFF;
+
 /// The number behind each code.
 macro_rules! codes {
     ($($name:ident),*) => {$(
@@ -204,4 +223,26 @@ macro_rules! codes {
     )*};
 }
 
-codes!(PlcStatus, BootProjectStatus, StopCause, ApplicationError, IoStatus, ModuleState, Tm3BusState);
+codes!(
+    PlcStatus,
+    BootProjectStatus,
+    StopCause,
+    ApplicationError,
+    IoStatus,
+    ModuleState,
+    Tm3BusState,
+    ExchangeCode
+);
+
+impl ModuleState {
+    /// Its name in the documents.
+    pub const fn name(self) -> &'static str {
+        match self {
+            ModuleState::Empty => "TM3_EMPTY",
+            ModuleState::ConfigurationError => "TM3_CONF_ERROR",
+            ModuleState::BusError => "TM3_BUS_ERROR",
+            ModuleState::Ok => "TM3_OK",
+            ModuleState::MissingOptional => "TM3_MISSING_OPT_MOD",
+        }
+    }
+}

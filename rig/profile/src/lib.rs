@@ -24,8 +24,8 @@ pub use channel::{
 };
 pub use channel_set::{ChannelNumbers, ChannelSet};
 pub use codes::{
-    ApplicationError, BootProjectStatus, IoStatus, ModuleState, PLC_W_KEY, PlcCommand, PlcStatus, StopCause,
-    Tm3BusState,
+    ApplicationError, BootProjectStatus, ExchangeCode, IoStatus, ModuleState, NO_FIRMWARE_VERSION, PLC_W_KEY,
+    PlcCommand, PlcStatus, StopCause, Tm3BusState,
 };
 pub use expert::{
     ExpertLimits, FAST_INPUTS, FAST_OUTPUTS, GENERATOR_TENTHS, PWM_TENTHS, REGULAR_OUTPUT_TENTHS,

@@ -7,7 +7,7 @@ use scanrig_program::{Service, StopReason};
 use signal::{Span, Time, Value};
 
 /// Every service with its call and what it is asked with.
-const CALLS: [(&str, Service, i64); 11] = [
+const CALLS: [(&str, Service, i64); 13] = [
     ("SysTaskWaitSleep(7)", Service::WaitSleep, 7),
     ("GetCurrentTaskCycle()", Service::GetTaskCycle, 0),
     ("SetCurrentTaskCycle(5000)", Service::SetTaskCycle, 5000),
@@ -19,6 +19,8 @@ const CALLS: [(&str, Service, i64); 11] = [
     ("GetRtc()", Service::GetRtc, 0),
     ("SetRTCDrift(-36, 1, 2, 3)", Service::SetRtcDrift, -36),
     ("InhibitBatLed(Inhibit := TRUE)", Service::InhibitBatteryLed, 1),
+    ("WORD_TO_INT(TM3_GetModuleBusStatus(13))", Service::ModuleBusStatus, 13),
+    ("UINT_TO_INT(TM3_GetModuleFWVersion(ModuleIndex := 255))", Service::ModuleFirmware, 255),
 ];
 
 /// Runs a cycle in slices of these lengths; what was asked, at which instants, and the time of the cycle. Every

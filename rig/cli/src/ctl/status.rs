@@ -34,6 +34,9 @@ pub fn status(client: &mut ControlClient, args: &StatusArgs) -> Result<ExitStatu
     let described: Description = client.ask(RequestOperation::Describe)?;
     let status: Status = client.ask(RequestOperation::Status)?;
     output::print(&columns(&facts(&described, &status)));
+    if !described.modules.is_empty() {
+        output::print(&format!("\n{}", columns(&modules(&described, &status))));
+    }
     if !described.tasks.is_empty() {
         output::print(&format!("\n{}", columns(&tasks(&described.tasks, &status.tasks))));
     }
@@ -98,6 +101,16 @@ const fn clock(clock: TimeSource) -> &'static str {
         TimeSource::Real => "on the host's clock",
         TimeSource::Stepped => "stepped by its clients",
     }
+}
+
+/// The expansion modules, a row each.
+fn modules(described: &Description, status: &Status) -> Vec<Vec<String>> {
+    let mut rows = vec![["module", "index", "state"].map(str::to_owned).to_vec()];
+    for (module, state) in described.modules.iter().zip(&status.modules) {
+        let optional = if module.optional { ", optional" } else { "" };
+        rows.push(vec![format!("{}{optional}", module.reference), module.index.to_string(), state.clone()]);
+    }
+    rows
 }
 
 /// Figures of the tasks, a row each.

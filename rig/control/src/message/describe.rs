@@ -68,6 +68,9 @@ pub struct Description {
     pub functions: Vec<FunctionInfo>,
     /// The buses of the board.
     pub buses: Vec<BusInfo>,
+    /// The expansion modules that are configured, in the order of the bus.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub modules: Vec<ModuleInfo>,
     /// The devices of the board.
     pub devices: Vec<DeviceInfo>,
     /// What happens to forces when a connection that set them is lost.
@@ -184,6 +187,17 @@ pub struct TaskInfo {
     pub watchdog: Option<i64>,
     /// The programs that it runs.
     pub programs: Vec<String>,
+}
+
+/// An expansion module.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ModuleInfo {
+    /// Its index in TM3_MODULE_R.
+    pub index: u8,
+    /// The reference that is configured, as in `TM3DI16`.
+    pub reference: String,
+    /// It may be missing.
+    pub optional: bool,
 }
 
 /// An expert function.

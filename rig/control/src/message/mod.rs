@@ -8,8 +8,8 @@ mod request;
 mod status;
 
 pub use describe::{
-    BusInfo, ChannelInfo, Description, DeviceInfo, FunctionInfo, Greeting, PointDirection, PointInfo, Signal,
-    SignalKind, SubjectKind, TaskInfo, TimeSource,
+    BusInfo, ChannelInfo, Description, DeviceInfo, FunctionInfo, Greeting, ModuleInfo, PointDirection,
+    PointInfo, Signal, SignalKind, SubjectKind, TaskInfo, TimeSource,
 };
 pub use event::{FrameSeen, Reply, RequestFault, ServerMessage, SignalChange, SubscriptionEvent};
 pub use plan::{Measured, PlanEvent, PlanStatus};

@@ -29,6 +29,9 @@ pub struct Status {
     pub devices: Vec<DeviceStatus>,
     /// The buses, in the order of the description.
     pub buses: Vec<BusStatus>,
+    /// The expansion modules, in the order of the description: the name of the state of each, as in `TM3_OK`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub modules: Vec<String>,
     /// What the rig says of itself.
     pub rig: RigStatus,
     /// Why figures cannot be trusted; empty where they can.

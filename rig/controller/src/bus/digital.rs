@@ -17,6 +17,8 @@ pub(super) struct DigitalModule {
     levels: ChannelSet,
     /// Inputs whose level may turn without a change at the terminal.
     moving: ChannelSet,
+    /// The inputs and the outputs that what is fitted has.
+    fitted: (ChannelSet, ChannelSet),
     /// The first byte of %I, and how many there are.
     input_bytes: (usize, usize),
     outputs: Outputs,
@@ -29,6 +31,17 @@ fn bytes(addresses: Option<ChannelAddresses>) -> (usize, usize) {
     let first = addresses.and_then(|all| all.get(0));
     let count = addresses.map_or(0, |all| all.count() as usize);
     (first.map_or(0, |address| address.bit_offset() as usize / 8), count.div_ceil(8))
+}
+
+/// The delay of the inputs of a module, and the stages of its outputs.
+fn figures(module: &ModuleType) -> (Span, OutputStage) {
+    let delay = module.digital_inputs.as_ref().and_then(|inputs| inputs.on_delay).unwrap_or(Span::ZERO);
+    let (on_delay, off_delay) = match &module.digital_outputs {
+        Some(outputs) => (outputs.on_delay.unwrap_or_default(), outputs.off_delay.unwrap_or_default()),
+        None => (Span::ZERO, Span::ZERO),
+    };
+    // Without an application relays are open and transistors at 0 V (controller:OUT-02). Delays are maxima.
+    (delay, OutputStage { on_delay, off_delay, at_most: true, floats: false })
 }
 
 impl DigitalModule {
@@ -44,13 +57,7 @@ impl DigitalModule {
             each(addresses.digital_inputs).map(|(n, at)| ModuleChannel::new(IoChannel::Input(n), at));
         let outputs =
             each(addresses.digital_outputs).map(|(n, at)| ModuleChannel::new(IoChannel::Output(n), at));
-        let delay = module.digital_inputs.as_ref().and_then(|inputs| inputs.on_delay).unwrap_or(Span::ZERO);
-        let (on_delay, off_delay) = match &module.digital_outputs {
-            Some(outputs) => (outputs.on_delay.unwrap_or_default(), outputs.off_delay.unwrap_or_default()),
-            None => (Span::ZERO, Span::ZERO),
-        };
-        // Without an application relays are open and transistors at 0 V (controller:OUT-02). Delays are maxima.
-        let stage = OutputStage { on_delay, off_delay, at_most: true, floats: false };
+        let (delay, stage) = figures(module);
         let output_bytes = bytes(addresses.digital_outputs);
         let stages = (0..module.digital_output_count()).map(|_| stage);
         DigitalModule {
@@ -58,6 +65,7 @@ impl DigitalModule {
             inputs: (0..module.digital_input_count()).map(|_| InputChannel::unfiltered(delay)).collect(),
             levels: ChannelSet::EMPTY,
             moving: ChannelSet::EMPTY,
+            fitted: (ChannelSet::ALL, ChannelSet::ALL),
             input_bytes: bytes(addresses.digital_inputs),
             outputs: Outputs::new(number, output_bytes.0 * 8, stages, worst_case),
             output_bytes,
@@ -122,7 +130,7 @@ impl BusModule for DigitalModule {
             self.advance(input, now);
         }
         let (first, count) = self.input_bytes;
-        let levels = self.levels.to_image();
+        let levels = (self.levels & self.fitted.0).to_image();
         if let Some(bytes) = inputs.bytes_mut().get_mut(first..first + count) {
             bytes.iter_mut().zip(levels).for_each(|(byte, level)| *byte = level);
         }
@@ -135,10 +143,20 @@ impl BusModule for DigitalModule {
         if let Some(bytes) = outputs.bytes().get(first..first + count) {
             word.iter_mut().zip(bytes).for_each(|(to, byte)| *to = *byte);
         }
-        self.outputs.drive(now, ChannelSet::from_image(word), ChannelSet::ALL, memory);
+        self.outputs.drive(now, ChannelSet::from_image(word) & self.fitted.1, ChannelSet::ALL, memory);
     }
 
     fn clear(&mut self, now: Time) {
         self.outputs.command(now, ChannelSet::EMPTY, ChannelSet::ALL);
+    }
+    fn fit(&mut self, module: &ModuleType) {
+        let (delay, stage) = figures(module);
+        let first = |count: u32| ChannelSet::first(count as usize);
+        self.fitted = (first(module.digital_input_count()), first(module.digital_output_count()));
+        for input in &mut self.inputs {
+            input.set_delay(delay);
+        }
+        self.moving = ChannelSet::first(self.inputs.len());
+        self.outputs.set_delays(stage);
     }
 }

@@ -1,6 +1,6 @@
 //! The exchange with one module: whether it answers, and what follows where it does not.
 
-use profile::ModuleState;
+use profile::{ExchangeCode, ModuleState};
 use signal::{Span, Time};
 
 /// So many exchanges in a row have to fail for an error of the bus (io:ERR-03).
@@ -16,8 +16,14 @@ pub(super) struct Exchange {
     switches_off: bool,
     /// How many exchanges fail from now on; none for all of them.
     failing: Option<u32>,
+    /// A module of the configured code is there to be reached.
+    reached: bool,
+    /// The exchange is disturbed: it takes place, and counts as failed (io:ERR-15).
+    disturbed: bool,
     /// How many failed in a row.
     failed: u32,
+    /// What the bus wrote last arrived.
+    hears: bool,
     state: ModuleState,
     /// When its outputs go off.
     outputs_off: Time,
@@ -29,7 +35,10 @@ impl Exchange {
         Exchange {
             switches_off,
             failing: Some(0),
+            reached: true,
+            disturbed: false,
             failed: 0,
+            hears: true,
             state: ModuleState::Empty,
             outputs_off: Time::MAX,
         }
@@ -40,14 +49,30 @@ impl Exchange {
         self.failing = exchanges;
     }
 
-    /// Whether the module answers.
-    pub(super) fn answers(&self) -> bool {
-        self.failing == Some(0)
+    /// Whether a module of the configured code is there to be reached, and whether the exchange with it is disturbed.
+    pub(super) fn reach(&mut self, reached: bool, disturbed: bool) {
+        (self.reached, self.disturbed) = (reached, disturbed);
     }
 
-    /// Whether the bus writes to it: it answers, and was there when the bus was started.
+    /// Whether the module is silent.
+    pub(super) fn is_silent(&self) -> bool {
+        self.failing != Some(0)
+    }
+
+    /// Whether a module answers.
+    fn answers(&self) -> bool {
+        self.reached && !self.is_silent()
+    }
+
+    /// Whether there is an exchange at all: a module that was not there when the bus was started, or was another one, is left
+    /// alone until it is started again.
+    fn is_exchanged(&self) -> bool {
+        !matches!(self.state, ModuleState::MissingOptional | ModuleState::ConfigurationError)
+    }
+
+    /// Whether what the bus writes arrives.
     pub(super) fn is_written(&self) -> bool {
-        self.answers() && self.state != ModuleState::MissingOptional
+        self.answers() && self.is_exchanged()
     }
 
     /// The state of the module.
@@ -55,10 +80,21 @@ impl Exchange {
         self.state
     }
 
+    /// The code of the last one (io:DIAG-04): a module that was not there when the bus was started, or was another one, has none
+    /// that succeeded.
+    pub(super) fn code(&self) -> ExchangeCode {
+        match self.state {
+            ModuleState::BusError => ExchangeCode::Bus,
+            ModuleState::Ok if self.failed == 0 => ExchangeCode::NoError,
+            _ => ExchangeCode::Failed,
+        }
+    }
+
     /// The bus starts at `now`, and found the module in this state.
     pub(super) fn start(&mut self, now: Time, state: ModuleState) {
         (self.failed, self.state, self.outputs_off) = (0, state, Time::MAX);
-        if state == ModuleState::BusError {
+        self.hears = state != ModuleState::BusError;
+        if !self.hears {
             self.silent_since(now);
         }
     }
@@ -70,26 +106,28 @@ impl Exchange {
 
     /// A cycle of the bus exchanges with the module at `now`; whether it answered.
     pub(super) fn succeeds(&mut self, now: Time) -> bool {
-        if self.state == ModuleState::MissingOptional {
+        if !self.is_exchanged() {
             return false;
         }
-        if self.answers() {
-            self.failed = 0;
-            self.outputs_off = Time::MAX;
-            self.state = ModuleState::Ok;
-            return true;
-        }
+        let answers = self.answers();
         if let Some(left) = &mut self.failing {
-            *left -= 1;
+            *left = left.saturating_sub(1);
         }
-        if self.failed == 0 {
+        if answers {
+            self.outputs_off = Time::MAX;
+            if !self.disturbed {
+                (self.failed, self.state) = (0, ModuleState::Ok);
+                return true;
+            }
+        } else if self.hears {
             self.silent_since(now);
         }
+        self.hears = answers;
         self.failed = self.failed.saturating_add(1);
         if self.failed >= FAILURES {
             self.state = ModuleState::BusError;
         }
-        false
+        answers
     }
 
     /// It heard nothing from `now` on.

@@ -38,6 +38,19 @@ impl SharedBytes {
         shared
     }
 
+    /// Whether a place is among them, whole.
+    pub(super) fn has(&self, address: Address) -> bool {
+        let list = match address.area() {
+            Area::Input => &self.inputs,
+            Area::Output => &self.outputs,
+            Area::Memory => return false,
+        };
+        let first = address.bit_offset();
+        let has =
+            |bit: u32| list.iter().any(|(at, mask)| *at == bit as usize / 8 && mask >> (bit % 8) & 1 == 1);
+        (first..first + address.bit_len()).all(has)
+    }
+
     /// Sets their %Q to 0; whether that changed.
     pub(crate) fn clear_outputs(&self, memory: &mut Memory) -> bool {
         let clear = |(at, mask): &(usize, u8)| memory.clear_output_bits(*at, *mask);

@@ -11,24 +11,32 @@
 mod analogue;
 mod digital;
 mod exchange;
+mod fitted;
+mod force;
 pub(crate) mod image;
 mod internal_status;
+mod safety;
 mod start;
 
+pub use force::ForcedPlaces;
 pub use start::{BusStart, ConfiguredPosition, ExtraModules, PositionState, compare_modules};
 
 use crate::analogue::AnalogueModule;
+use crate::command::CommandError;
 use crate::config::Config;
+use crate::external::ModuleFault;
 use crate::memory::Memory;
 use crate::module::{IoModule, Sharing};
 use digital::DigitalModule;
 use exchange::Exchange;
+use fitted::FittedModules;
 use image::{SharedBytes, VirtualImage};
 use profile::{
-    ChannelStatus, ConfiguredModule, ModuleAddresses, ModuleFamily, ModuleKind, ModuleState, Profile,
-    Tm3BusState, module_indices,
+    ChannelStatus, ConfiguredModule, ExchangeCode, IoStatus, LOCAL_MODULES, ModuleAddresses, ModuleFamily,
+    ModuleKind, ModuleState, ModuleType, NO_FIRMWARE_VERSION, Profile, Tm3BusState, module_indices,
 };
-use signal::{Address, Image, Time};
+use safety::SafetyModule;
+use signal::{Address, Area, Cause, Image, Time};
 
 /// A module as the bus sees it.
 pub(crate) trait BusModule: IoModule {
@@ -51,6 +59,10 @@ pub(crate) trait BusModule: IoModule {
     fn status_bytes(&self) -> &[Address] {
         &[]
     }
+
+    /// Such a module is at its terminals from now on, in place of the configured one or of another of the same internal ID code:
+    /// it has delays, and may have other channels, of its own.
+    fn fit(&mut self, _module: &ModuleType) {}
 }
 
 /// The model of a module that is configured so, with this number.
@@ -62,6 +74,7 @@ fn model(
 ) -> Box<dyn BusModule> {
     match configured.module.kind {
         ModuleKind::Analogue => Box::new(AnalogueModule::new(configured, addresses)),
+        ModuleKind::Safety => Box::new(SafetyModule::new(configured.module, addresses)),
         _ => Box::new(DigitalModule::new(number, configured.module, addresses, worst_case)),
     }
 }
@@ -73,6 +86,12 @@ struct Position {
     configured: ConfiguredPosition,
     /// The internal ID code that answered when the bus was started last.
     found: Option<u8>,
+    /// The place of the fitted module that this position has: what the comparison gave it, else its own.
+    place: usize,
+    /// What is fitted there, as far as its channels follow it.
+    fitted: &'static ModuleType,
+    /// It has its supply.
+    supplied: bool,
     module: Box<dyn BusModule>,
     exchange: Exchange,
 }
@@ -83,6 +102,19 @@ impl Position {
         let channels = self.module.channels().iter().map(|channel| channel.address);
         channels.chain(self.module.status_bytes().iter().copied())
     }
+
+    /// Its module has the channels of what is fitted, and the exchange reaches as far as the bus does.
+    fn follow(&mut self, all: &FittedModules) {
+        let fitted = all.module(self.place);
+        if let Some(module) = fitted.filter(|module| !std::ptr::eq(*module, self.fitted)) {
+            self.fitted = module;
+            self.module.fit(module);
+        }
+        self.supplied = all.is_supplied(self.place);
+        let is_configured = fitted.is_some_and(|module| module.id == Some(self.configured.id));
+        let reached = is_configured && all.reached().any(|place| place == self.place);
+        self.exchange.reach(reached, all.is_disturbed(self.place));
+    }
 }
 
 /// The bus with the configured modules.
@@ -90,11 +122,18 @@ impl Position {
 pub(crate) struct ExpansionBus {
     /// In the order of the configuration.
     positions: Vec<Position>,
+    fitted: FittedModules,
+    /// Modules were left over when the bus was started last.
+    extra: bool,
     image: VirtualImage,
     /// What each task exchanges with the virtual image, by rank.
     shared: Vec<SharedBytes>,
     /// The same of an update in STOPPED and HALT: everything.
     all: SharedBytes,
+    /// The outputs on which forcing comes to act with the cycles of each task, by rank: those that it writes, or exchanges where
+    /// none writes them (controller:FRC-05).
+    forced_with: Vec<Vec<Address>>,
+    forced: ForcedPlaces,
     /// Rank of the bus cycle task.
     bus_cycle: Option<usize>,
     /// The controller of 2014: errors are handled passively, whatever is commanded (plcsystem:TM3V-06).
@@ -116,7 +155,7 @@ impl ExpansionBus {
         let places = config.reference.module_addresses(&config.modules).unwrap_or_default();
         let configured = config.modules.iter().zip(places).zip(indices);
         let on_bus = configured.filter_map(|(one, index)| Some((one, index?))).enumerate();
-        let positions: Vec<Position> = on_bus
+        let mut positions: Vec<Position> = on_bus
             .map(|(place, ((configured, addresses), index))| Position {
                 configured: ConfiguredPosition {
                     index,
@@ -124,15 +163,32 @@ impl ExpansionBus {
                     optional: configured.optional,
                 },
                 found: None,
+                place,
+                fitted: configured.module,
+                supplied: true,
                 module: model(first + place, configured, &addresses, config.worst_case),
                 exchange: Exchange::new(configured.module.family == ModuleFamily::Tm3),
             })
             .collect();
+        let configured: Vec<ConfiguredPosition> = positions.iter().map(|it| it.configured).collect();
+        let local = configured.iter().filter(|one| one.index < LOCAL_MODULES).count();
+        let fitted: Vec<&ModuleType> = match &config.fitted {
+            Some(fitted) => fitted.iter().copied().filter(|module| module.is_on_bus()).collect(),
+            None => positions.iter().map(|it| it.fitted).collect(),
+        };
+        let fitted = FittedModules::new(&configured, local, &fitted);
+        for position in &mut positions {
+            position.follow(&fitted);
+        }
         let all = SharedBytes::of(positions.iter().flat_map(Position::places), |_| true);
         ExpansionBus {
             positions,
+            fitted,
+            extra: false,
             image: VirtualImage::new(config.profile),
             shared: Vec::new(),
+            forced_with: Vec::new(),
+            forced: ForcedPlaces::default(),
             all,
             bus_cycle: None,
             only_passive: config.profile == Profile::M241_2014,
@@ -158,24 +214,95 @@ impl ExpansionBus {
         let places = || self.positions.iter().flat_map(Position::places);
         let of = |rank| SharedBytes::of(places(), |address| sharing.exchanges(rank, address));
         self.shared = (0..sharing.tasks()).map(of).collect();
+        let forced_with = |rank| {
+            let outputs = places().filter(|at| at.area() == Area::Output);
+            let written = |at| (0..sharing.tasks()).any(|other| sharing.writes(other, at));
+            let comes =
+                |at: &Address| sharing.writes(rank, *at) || sharing.exchanges(rank, *at) && !written(*at);
+            outputs.filter(comes).collect()
+        };
+        self.forced_with = (0..sharing.tasks()).map(forced_with).collect();
         self.bus_cycle = sharing.bus_cycle();
     }
 
-    /// The bus starts with an application: after a boot, a download or a reset (io:OPT-02, io:ERR-07). A mandatory module that does
-    /// not answer keeps it off.
+    /// The bus starts with an application: after a boot, a download or a reset (io:OPT-02, io:ERR-07). It stays off where a
+    /// mandatory module does not answer, another one than the configured one does, modules are left over, or it has no supply.
     pub(crate) fn start(&mut self, now: Time) {
         let configured: Vec<ConfiguredPosition> =
             self.positions.iter().map(|position| position.configured).collect();
-        let answers = |it: &Position| it.exchange.answers().then_some(it.configured.id);
-        let fitted: Vec<Option<u8>> = self.positions.iter().map(answers).collect();
-        let start = compare_modules(&configured, &fitted, ExtraModules::default());
-        for position in &mut self.positions {
+        let reached: Vec<usize> = self.fitted.reached().collect();
+        let answers = |place: &usize| {
+            let silent = self.positions.get(*place).is_some_and(|it| it.exchange.is_silent());
+            if silent { None } else { self.fitted.module(*place)?.id }
+        };
+        let ids: Vec<Option<u8>> = reached.iter().map(answers).collect();
+        let start = compare_modules(&configured, &ids, ExtraModules::default());
+        for (own, position) in self.positions.iter_mut().enumerate() {
             let Some(found) = start.modules.get(position.configured.index) else { continue };
             position.found = found.fitted;
+            position.place = found.place.and_then(|place| reached.get(place).copied()).unwrap_or(own);
             position.exchange.start(now, found.state);
+            // What a silent module kept ends here (io:ERR-11).
+            if found.state == ModuleState::BusError {
+                position.module.clear(now);
+            }
         }
-        self.is_off = self.active && !start.starts();
-        (self.start_state, self.changed) = (start.state, true);
+        let supplied = self.fitted.has_supply();
+        self.start_state = if supplied { start.state } else { Tm3BusState::PowerSupplyError };
+        (self.extra, self.changed) = (start.extra > 0, true);
+        self.follow(now);
+        self.is_off = false;
+        if self.active && self.start_state != Tm3BusState::Ok {
+            self.switch_off(now);
+        }
+    }
+
+    /// Something is wrong with the module of this index of TM3_MODULE_R from `now` on, or is over.
+    pub(crate) fn fault(&mut self, now: Time, index: usize, fault: ModuleFault) {
+        let Some(place) = self.positions.iter().position(|it| it.configured.index == index) else { return };
+        match fault {
+            ModuleFault::Silent(exchanges) => self.positions[place].exchange.silence(exchanges),
+            ModuleFault::Pulled(pulled) => self.fitted.pull(place, pulled),
+            ModuleFault::Replaced(module) => self.fitted.replace(place, module),
+            ModuleFault::Disturbs(disturbs) => {
+                self.positions[place].exchange.silence(if disturbs { None } else { Some(0) });
+                self.fitted.disturb(place, disturbs);
+            }
+        }
+        self.follow(now);
+    }
+
+    /// The bus has its supply from `now` on, or not (io:HW-04). Under active handling it starts by what starts it after an error
+    /// (io:ERR-07), else as its supply is there.
+    pub(crate) fn supply(&mut self, now: Time, on: bool) {
+        self.fitted.supply(on);
+        self.changed = true;
+        self.follow(now);
+        if on && !self.active && self.start_state == Tm3BusState::PowerSupplyError {
+            self.start(now);
+        }
+    }
+
+    /// Transmitter and receiver are joined from `now` on, or not.
+    pub(crate) fn link(&mut self, now: Time, whole: bool) {
+        self.fitted.link(whole);
+        self.follow(now);
+    }
+
+    /// What is fitted, reached or supplied changed: the modules follow. One that loses its supply has its hardware initialization
+    /// values, and begins from them as it has it again.
+    fn follow(&mut self, now: Time) {
+        for position in &mut self.positions {
+            let (before, was_supplied) = (position.fitted, position.supplied);
+            position.follow(&self.fitted);
+            let is_another = !std::ptr::eq(position.fitted, before);
+            if was_supplied && (is_another || !position.supplied) {
+                position.module.initialize(now);
+            }
+            if position.supplied && (is_another || !was_supplied) {
+                position.module.power_on(now);
+            }
+        }
     }
 
     /// How errors are handled from now on. A bus that is off stays so.
@@ -193,18 +320,11 @@ impl ExpansionBus {
     /// There is no application any more: what is in the virtual image is of nobody.
     pub(crate) fn unload(&mut self) {
         self.image.clear();
-        (self.is_off, self.start_state) = (false, Tm3BusState::Ok);
+        (self.is_off, self.start_state, self.extra) = (false, Tm3BusState::Ok, false);
         for position in &mut self.positions {
             position.found = None;
             position.exchange.stop();
         }
-    }
-
-    /// The module of this index of TM3_MODULE_R is silent from now on, for so many exchanges or until another number is given; with
-    /// 0 it answers again. Whether there is one.
-    pub(crate) fn silence(&mut self, index: usize, exchanges: Option<u32>) -> bool {
-        let found = self.positions.iter_mut().find(|position| position.configured.index == index);
-        found.map(|position| position.exchange.silence(exchanges)).is_some()
     }
 
     /// The state of the module of this index of TM3_MODULE_R (io:DIAG-01).
@@ -219,9 +339,25 @@ impl ExpansionBus {
         found.and_then(|position| position.found).unwrap_or(0)
     }
 
-    /// What the bus found when it was started last (io:DIAG-03).
+    fn at(&self, index: i64) -> Option<&Position> {
+        let index = usize::try_from(index).ok()?;
+        self.positions.iter().find(|position| position.configured.index == index)
+    }
+
+    /// The code of the last exchange with the module of this index (io:DIAG-04).
+    pub(crate) fn exchange_code(&self, index: i64) -> ExchangeCode {
+        self.at(index).map_or(ExchangeCode::Parameter, |position| position.exchange.code())
+    }
+
+    /// The version of the firmware of the module of this index (io:DIAG-05), which only a module in order gives.
+    pub(crate) fn firmware(&self, index: i64) -> u16 {
+        let in_order = self.at(index).filter(|it| it.exchange.state() == ModuleState::Ok);
+        in_order.and_then(|it| it.fitted.firmware).unwrap_or(NO_FIRMWARE_VERSION)
+    }
+
+    /// What the bus found when it was started last, or that it has no supply (io:DIAG-03).
     pub(crate) fn start_state(&self) -> Tm3BusState {
-        self.start_state
+        if self.fitted.has_supply() { self.start_state } else { Tm3BusState::PowerSupplyError }
     }
 
     /// Whether the state of a module changed since this was asked last.
@@ -231,7 +367,22 @@ impl ExpansionBus {
 
     /// Whether a module is in error (io:ERR-02).
     pub(crate) fn is_in_error(&self) -> bool {
-        self.positions.iter().any(|position| position.exchange.state() == ModuleState::BusError)
+        self.has(ModuleState::BusError)
+    }
+
+    fn has(&self, state: ModuleState) -> bool {
+        self.positions.iter().any(|position| position.exchange.state() == state)
+    }
+
+    /// What is wrong with it: an error of the bus goes before modules that are not those of the configuration (controller:ERR-01).
+    pub(crate) fn status(&self) -> IoStatus {
+        if self.is_in_error() {
+            IoStatus::BusError
+        } else if self.extra || self.has(ModuleState::ConfigurationError) {
+            IoStatus::ConfigurationFault
+        } else {
+            IoStatus::Ok
+        }
     }
 
     /// Whether the cycle of this rank, or an update without one, exchanges with the modules.
@@ -260,7 +411,13 @@ impl ExpansionBus {
             }
         }
         let shared = rank.and_then(|rank| self.shared.get(rank)).unwrap_or(&self.all);
-        self.image.to_inputs(if self.is_off { &self.all } else { shared }, memory)
+        let shared = if self.is_off { &self.all } else { shared };
+        let changed = self.image.to_inputs(shared, memory);
+        if self.forced.is_empty() {
+            return changed;
+        }
+        let here = self.forced.inputs().filter(|(address, _)| shared.has(*address));
+        here.fold(changed, |any, (address, value)| any | memory.store(address, value))
     }
 
     /// A cycle ends: %Q -> virtual image, as far as the task writes it; virtual image -> outputs of the modules, if it is the bus
@@ -274,6 +431,13 @@ impl ExpansionBus {
             return self.all.clear_outputs(memory);
         }
         let shared = rank.and_then(|rank| self.shared.get(rank)).unwrap_or(&self.all);
+        let changed = !self.forced.is_empty() && {
+            let comes =
+                |at| rank.and_then(|rank| self.forced_with.get(rank)).is_none_or(|all| all.contains(&at));
+            memory.set_cause(Cause::Controller);
+            let here = self.forced.outputs(comes).filter(|(address, _)| shared.has(*address));
+            here.fold(false, |any, (address, value)| any | memory.store(address, value))
+        };
         self.image.take_outputs(shared, memory);
         if self.is_bus_cycle(rank) {
             for Position { module, exchange, .. } in &mut self.positions {
@@ -282,7 +446,34 @@ impl ExpansionBus {
                 }
             }
         }
-        false
+        changed
+    }
+
+    /// Forces the channel at this place, or ends that.
+    ///
+    /// # Errors
+    /// No module has a channel there, or there is no room for another place.
+    pub(crate) fn force(&mut self, address: Address, value: Option<u64>) -> Result<(), CommandError> {
+        let channels = self.positions.iter().flat_map(|it| it.module.channels());
+        if !channels.into_iter().any(|channel| channel.address == address) {
+            return Err(CommandError::NoChannel(address));
+        }
+        match value {
+            Some(value) if !self.forced.force(address, value) => return Err(CommandError::TooManyForced),
+            Some(_) => {}
+            None => self.forced.release(address),
+        }
+        Ok(())
+    }
+
+    /// What is forced.
+    pub(crate) fn forced(&self) -> ForcedPlaces {
+        self.forced
+    }
+
+    /// These places are forced from now on, and act later.
+    pub(crate) fn restore_forced(&mut self, forced: ForcedPlaces) {
+        self.forced = forced.waiting();
     }
 
     /// All outputs and both images are 0 until the bus is started again (io:ERR-06).

@@ -30,6 +30,8 @@ pub struct PositionState {
     pub state: ModuleState,
     /// The internal ID code of what is fitted there.
     pub fitted: Option<u8>,
+    /// Its place among the fitted modules, whether it answers or not.
+    pub place: Option<usize>,
 }
 
 /// What the comparison found.
@@ -62,10 +64,12 @@ pub fn compare_modules(
     fitted: &[Option<u8>],
     extra: ExtraModules,
 ) -> BusStart {
-    let mut modules = [PositionState { state: ModuleState::Empty, fitted: None }; MODULE_INDICES];
+    let mut modules =
+        [PositionState { state: ModuleState::Empty, fitted: None, place: None }; MODULE_INDICES];
     let mut starts = true;
     let mut left = fitted;
     for position in configured {
+        let next = fitted.len() - left.len();
         let found = match left.split_first() {
             Some((Some(id), _)) if position.optional && *id != position.id => None,
             Some((id, rest)) => {
@@ -82,7 +86,8 @@ pub fn compare_modules(
         };
         starts &= matches!(state, ModuleState::Ok | ModuleState::MissingOptional);
         if let Some(module) = modules.get_mut(position.index) {
-            *module = PositionState { state, fitted: found };
+            let place = (fitted.len() - left.len() > next).then_some(next);
+            *module = PositionState { state, fitted: found, place };
         }
     }
     starts &= left.is_empty() || extra == ExtraModules::Ignored;
@@ -162,8 +167,9 @@ mod tests {
         let mut configured = positions(&[132, 129]);
         configured[1].index = 7;
         let found = compare_modules(&configured, &answering(&[132, 133]), ExtraModules::Refused);
-        let ok = PositionState { state: ModuleState::Ok, fitted: Some(132) };
-        let wrong = PositionState { state: ModuleState::ConfigurationError, fitted: Some(133) };
+        let ok = PositionState { state: ModuleState::Ok, fitted: Some(132), place: Some(0) };
+        let wrong =
+            PositionState { state: ModuleState::ConfigurationError, fitted: Some(133), place: Some(1) };
         assert_eq!((found.modules[0], found.modules[7]), (ok, wrong));
         assert_eq!(found.modules.iter().filter(|one| one.state == ModuleState::Empty).count(), 12);
         // An index that TM3_MODULE_R has not shows nowhere.

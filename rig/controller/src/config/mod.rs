@@ -17,19 +17,21 @@ pub use warnings::Warning;
 
 use expert::{ExpertConfig, ExpertError, InputConditions, ReservedChannels};
 use profile::{
-    ChannelSet, ConfiguredModule, MINIMUM_CYCLE, ModuleKind, ModuleType, PRIORITIES, Profile, Reference,
+    ChannelSet, ConfiguredModule, MINIMUM_CYCLE, ModuleFamily, ModuleKind, ModuleType, PRIORITIES, Profile,
+    Reference,
 };
 use signal::Span;
 
-/// Whether there is a model of such a module.
+/// Whether there is a model of such a module. What a TM4 module carries has none: it is there, or not.
 pub fn is_module_modelled(module: &ModuleType) -> bool {
     let channels = [&module.analogue_inputs, &module.analogue_outputs];
     match module.kind {
         ModuleKind::Transmitter | ModuleKind::Receiver => true,
-        ModuleKind::Digital => module.is_on_bus(),
+        ModuleKind::Digital | ModuleKind::Safety => module.is_on_bus(),
         // Of load cells nobody knows a mode.
         ModuleKind::Analogue => channels.into_iter().flatten().any(|channels| !channels.modes.is_empty()),
-        ModuleKind::Expert | ModuleKind::Safety | ModuleKind::Communication => false,
+        ModuleKind::Expert => module.digital_inputs.is_some(),
+        ModuleKind::Communication => module.family == ModuleFamily::Tm4,
     }
 }
 
@@ -74,12 +76,16 @@ pub struct Config {
     pub relocation: RelocationConfig,
     /// The bus cycle task (controller:PRIO-06, controller:DEV-10).
     pub bus_cycle_task: BusCycle,
+    /// MAST exchanges with the modules on the expansion bus, whatever the bus cycle task (io:BUS-08).
+    pub io_bus_mast: bool,
     /// Always update variables (controller:DEV-10, controller:DEV-12).
     pub always_update: AlwaysUpdate,
     /// Fast counters and pulse generators (io: section 6).
     pub expert: ExpertConfig,
     /// Expansion modules and cartridges, in the order of the device tree (io: sections 9 and 10).
     pub modules: Vec<ConfiguredModule<'static>>,
+    /// What is fitted beside the controller, in the order of the bus; exactly `modules` if none.
+    pub fitted: Option<Vec<&'static ModuleType>>,
     /// Inputs behind whose terminals hardware counts: fast counters take its counts in place of edges.
     pub counted: ChannelSet,
 }
@@ -108,9 +114,11 @@ impl Config {
             watchdog_basis: WatchdogBasis::default(),
             relocation: RelocationConfig::default(),
             bus_cycle_task: BusCycle::default(),
+            io_bus_mast: false,
             always_update: AlwaysUpdate::default_of(profile),
             expert: ExpertConfig::default(),
             modules: Vec::new(),
+            fitted: None,
             counted: ChannelSet::EMPTY,
         }
     }
@@ -127,6 +135,11 @@ impl Config {
                 slowest.map(|(_, place)| place).or_else(|| self.task("MAST"))
             }
         }
+    }
+
+    /// Place of the task that exchanges with the modules on the expansion bus (io:BUS-08).
+    pub fn io_bus_cycle(&self) -> Option<usize> {
+        if self.io_bus_mast { self.task("MAST") } else { self.bus_cycle() }
     }
 
     /// Place of the task with this name, in any case of letters.
@@ -205,9 +218,10 @@ impl Config {
                 }
             }
         }
-        let bus = self.bus_cycle().and_then(|place| self.tasks.get(place));
-        if !bus.is_some_and(TaskConfig::runs_by_itself) {
-            return Err(ConfigError::BusCycleTask);
+        for bus in [self.bus_cycle(), self.io_bus_cycle()] {
+            if !bus.and_then(|place| self.tasks.get(place)).is_some_and(TaskConfig::runs_by_itself) {
+                return Err(ConfigError::BusCycleTask);
+            }
         }
         if !self.always_update.exists(self.profile) {
             return Err(ConfigError::AlwaysUpdate);

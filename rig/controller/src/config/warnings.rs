@@ -2,7 +2,7 @@
 
 use super::{Config, TaskConfig, TaskKind};
 use crate::event_source::ExternalEventSource;
-use profile::Profile;
+use profile::{ModuleKind, Profile};
 use signal::Span;
 use std::fmt;
 
@@ -37,6 +37,11 @@ pub enum Warning {
         /// The input.
         input: usize,
     },
+    /// A safety module may be missing on the bus: that is a decision about a risk (io:OPT-07).
+    OptionalSafety {
+        /// Its place in the list of modules, from 0.
+        place: usize,
+    },
     /// Two tasks write outputs of one byte, which the M241 of 2014 takes with a warning (controller:PRIO-05, io:EIO-17).
     SharedOutputByte {
         /// Byte of %Q.
@@ -69,6 +74,10 @@ impl Warning {
             Warning::NoInputEvent { task, input } => {
                 format!("{} waits for the event of I{input}, which raises none: set its `event`", name(task))
             }
+            Warning::OptionalSafety { place } => format!(
+                "module {} of the list is a safety module and optional: whether it may be missing is a decision about a risk",
+                place + 1
+            ),
             Warning::SharedOutputByte { byte, tasks: (first, second) } => {
                 format!("outputs of %QB{byte} are written by {} and by {}", name(first), name(second))
             }
@@ -107,6 +116,11 @@ impl Config {
                     found.push(Warning::NoInputEvent { task: place, input });
                 }
                 _ => {}
+            }
+        }
+        for (place, one) in self.modules.iter().enumerate() {
+            if one.optional && one.module.kind == ModuleKind::Safety {
+                found.push(Warning::OptionalSafety { place });
             }
         }
         found

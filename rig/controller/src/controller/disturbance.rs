@@ -18,9 +18,9 @@ impl Controller {
             Disturbance::IoSupply(on) => self.io.supply(on),
             Disturbance::ExternalError { bit, on } => self.external.set(bit, on),
             Disturbance::InternalError(error) => self.fail(now, error, fx),
-            Disturbance::SilentModule { index, exchanges } => {
-                self.modules.bus.silence(index, exchanges);
-            }
+            Disturbance::Module { index, fault } => self.modules.bus.fault(now, index, fault),
+            Disturbance::BusSupply(on) => self.modules.bus.supply(now, on),
+            Disturbance::BusLink(whole) => self.modules.bus.link(now, whole),
         }
         self.protect(now, fx);
         self.observe(class::STATE | class::TERMINAL, now, Cause::Board, fx);
@@ -31,7 +31,8 @@ impl Controller {
         self.external.is_any()
             || self.io.has_fault()
             || !self.io.is_supplied()
-            || self.modules.bus.is_in_error()
+            || self.modules.bus.status() != IoStatus::Ok
+            || self.modules.tm4_error()
     }
 
     /// PLC_R.i_wLocalIOStatus of an M241 (io:OUT-12); none without embedded inputs and outputs.

@@ -49,13 +49,15 @@ impl Controller {
     pub(super) fn share_channels(&mut self) {
         let Some(application) = self.application.as_deref() else { return };
         let places: Vec<_> = self.scheduler.places().collect();
-        let bus = self.config.bus_cycle();
-        let bus = places.iter().position(|place| Some(*place) == bus);
-        let sharing = Sharing::new(application, &places, bus, self.config.always_update);
+        let sharing = |bus: Option<usize>| {
+            let bus = places.iter().position(|place| Some(*place) == bus);
+            Sharing::new(application, &places, bus, self.config.always_update)
+        };
+        let by_tasks = sharing(self.config.bus_cycle());
         for module in self.modules.exchanged(&mut self.io) {
-            module.share(&sharing);
+            module.share(&by_tasks);
         }
-        self.modules.bus.share(&sharing);
+        self.modules.bus.share(&sharing(self.config.io_bus_cycle()));
     }
 
     /// The electronics of inputs and outputs come up.

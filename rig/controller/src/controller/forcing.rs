@@ -1,31 +1,40 @@
 //! Forcing: who may force, and when it ends (controller: section 12).
 
 use super::Controller;
-use crate::{CommandError, State};
+use crate::{CommandError, ForcedPlaces, State};
 use profile::IoChannel;
+use signal::Address;
 
 impl Controller {
     /// Forcing acts at the next end of the output's task (controller:FRC-05) or read of the inputs.
-    pub(super) fn force(&mut self, channel: IoChannel, on: Option<bool>) -> Result<(), CommandError> {
+    pub(super) fn force(&mut self, address: Address, value: Option<u64>) -> Result<(), CommandError> {
         if !matches!(self.state, State::Running | State::Breakpoint | State::Stopped | State::Halt) {
             return Err(CommandError::State(self.state));
         }
         if !self.power.tool_connected {
             return Err(CommandError::NotConnected);
         }
-        match channel {
-            IoChannel::Input(input) if input < self.config.reference.input_count() => {
-                self.io.force_input(input, on);
-            }
-            IoChannel::Output(output) if self.io.drives(output) => {
+        let on = value.map(|value| value != 0);
+        match IoChannel::at(address, self.config.reference) {
+            Some(IoChannel::Input(input)) => self.io.force_input(input, on),
+            Some(IoChannel::Output(output)) if self.io.drives(output) => {
                 return Err(CommandError::ExpertOutput(output));
             }
-            IoChannel::Output(output) if output < self.config.reference.output_count() => {
-                self.io.force_output(output, on);
-            }
-            channel => return Err(CommandError::NoChannel(channel)),
+            Some(IoChannel::Output(output)) => self.io.force_output(output, on),
+            None => return self.modules.bus.force(address, value),
         }
         Ok(())
+    }
+
+    /// Nothing is forced any more (controller:FRC-07).
+    pub(super) fn clear_forcing(&mut self) {
+        self.io.clear_forcing();
+        self.modules.bus.restore_forced(ForcedPlaces::default());
+    }
+
+    /// Whether anything is forced (controller:STATE-03).
+    pub(super) fn has_forced(&self) -> bool {
+        self.io.has_forced() || !self.modules.bus.forced().is_empty()
     }
 
     /// The tool connects (controller:FRC-01).
@@ -43,7 +52,7 @@ impl Controller {
         }
         self.power.tool_connected = false;
         if !keep_forcing {
-            self.io.clear_forcing();
+            self.clear_forcing();
         }
         Ok(())
     }

@@ -1,7 +1,8 @@
 //! What a person before the controller sees and can move, and what is forced in it.
 
 use super::Controller;
-use crate::{ForcedChannels, Led, LedPattern, State};
+use crate::{ForcedChannels, ForcedPlaces, Led, LedPattern, State};
+use profile::{MODULE_INDICES, ModuleState};
 use signal::Time;
 
 /// The controller from outside.
@@ -19,6 +20,10 @@ pub struct FrontPanel {
     pub forced_inputs: ForcedChannels,
     /// The outputs that are forced.
     pub forced_outputs: ForcedChannels,
+    /// The inputs and outputs of modules that are forced.
+    pub forced_places: ForcedPlaces,
+    /// The states of the modules by their indices in TM3_MODULE_R.
+    pub modules: [ModuleState; MODULE_INDICES],
 }
 
 impl Controller {
@@ -32,6 +37,8 @@ impl Controller {
             supply: self.state != State::Off && self.power.hold_up.is_none(),
             forced_inputs,
             forced_outputs,
+            forced_places: self.modules.bus.forced(),
+            modules: std::array::from_fn(|index| self.module_state(index)),
         }
     }
 }

@@ -15,7 +15,7 @@ impl Controller {
             system_error: self.power.system_error,
             application_differs: self.application_differs(),
             external_error: self.external_error(),
-            tm4_error: self.external.tm4(),
+            tm4_error: self.external.tm4() || self.modules.tm4_error(),
         }
     }
 

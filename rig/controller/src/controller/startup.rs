@@ -69,7 +69,7 @@ impl Controller {
         }
         if matches!(outcome.state, State::Empty | State::InvalidOs) {
             // controller:FRC-07
-            self.io.clear_forcing();
+            self.clear_forcing();
             self.enter(outcome.state, now, fx);
             return;
         }

@@ -21,12 +21,14 @@ impl Controller {
             SystemCall::FirstMastCycle | SystemCall::FirstMastColdCycle | SystemCall::FirstMastWarmCycle => {
                 self.system.first_cycle.flag(call)
             }
-            SystemCall::HasForcedIo => i64::from(self.io.has_forced()),
+            SystemCall::HasForcedIo => i64::from(self.has_forced()),
             SystemCall::ModuleInternalStatus => self.modules.bus.internal_status(now, argument),
             SystemCall::GetRtc => self.system.rtc.seconds(now),
             SystemCall::SetRtcDrift => self.system.rtc.set_drift(argument, self.config.profile, now),
             // The indicator of the battery is dark in any case: no battery of the model is ever empty.
             SystemCall::InhibitBatteryLed => 0,
+            SystemCall::ModuleBusStatus => i64::from(self.modules.bus.exchange_code(argument).code()),
+            SystemCall::ModuleFirmware => i64::from(self.modules.bus.firmware(argument)),
         };
         if let Some(application) = &mut self.application {
             application.answer(place, answer);

@@ -3,7 +3,7 @@
 use super::Controller;
 use crate::probes::class;
 use crate::{Effects, Probe, SystemVariable};
-use profile::Family;
+use profile::{Family, IoStatus};
 use signal::{Cause, Time, Value};
 
 impl Controller {
@@ -17,7 +17,9 @@ impl Controller {
             SystemVariable::BootProjectStatus => u64::from(system.boot_project.code()),
             SystemVariable::LastStopCause => u64::from(system.stop_cause.code()),
             SystemVariable::LastApplicationError => u64::from(system.error.code()),
-            SystemVariable::SystemFault1 => self.external.word(self.modules.bus.is_in_error()),
+            SystemVariable::SystemFault1 => {
+                self.external.word(self.modules.bus.status() != IoStatus::Ok, self.modules.tm4_error())
+            }
             SystemVariable::IoStatus1 | SystemVariable::LocalIoStatus => match self.local_io_status() {
                 Some(status) => u64::from(status.code()),
                 None => return Value::Unknown,

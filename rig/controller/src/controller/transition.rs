@@ -64,9 +64,10 @@ impl Controller {
 
     /// Begins BOOTING. Forcing waits for the boot application; after a power cycle there is none.
     pub(super) fn boot(&mut self, now: Time, fx: &mut Effects) {
-        let forced = self.io.forced();
+        let (forced, of_modules) = (self.io.forced(), self.modules.bus.forced());
         self.unload(now);
         self.io.restore_forced(forced);
+        self.modules.bus.restore_forced(of_modules);
         self.system.dates = Dates::load(self.files.store());
         self.system.boot_project = BootProjectStatus::None;
         self.system.events = 0;
@@ -84,13 +85,13 @@ impl Controller {
         self.power.creating = None;
         self.remanent.abandon();
         self.memory.clear();
-        self.io.clear_forcing();
+        self.clear_forcing();
         self.io.unload_functions(now);
         self.leds.identify(false);
         self.power.refresh = None;
         self.io.abandon_initialization();
         self.modules.forget_fallback();
-        self.modules.bus.unload();
+        self.modules.unload();
         self.initialize_outputs(now);
     }
 
@@ -141,7 +142,7 @@ impl Controller {
         fx: &mut Effects,
     ) {
         self.ports.note_restart(now);
-        self.modules.bus.start(now);
+        self.modules.start(now);
         if state == State::Stopped {
             // In RUNNING forcing waits for the outputs' tasks (controller:FRC-05).
             self.io.act_forcing(None);

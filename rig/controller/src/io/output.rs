@@ -146,6 +146,13 @@ impl Outputs {
         }
     }
 
+    /// Edges take as long as those of such a stage from now on, those under way as long as before.
+    pub(crate) fn set_delays(&mut self, stage: OutputStage) {
+        for terminal in &mut self.terminals {
+            (terminal.on_delay, terminal.off_delay) = (stage.on_delay, stage.off_delay);
+        }
+    }
+
     /// Every output.
     pub(crate) fn all(&self) -> ChannelSet {
         ChannelSet::first(self.terminals.len())

@@ -7,7 +7,7 @@ use crate::glyphs::TerminalFeatures;
 use crate::model::{KEPT, RigModel};
 use crate::recording::TrendFiles;
 use crate::show;
-use control::{BusInfo, BusStatus, FrameSeen};
+use control::{BusInfo, BusStatus, FrameSeen, ModuleInfo};
 use ratatui::Frame;
 use ratatui::crossterm::event::{KeyCode, KeyEvent, MouseEvent, MouseEventKind};
 use ratatui::layout::Rect;
@@ -24,6 +24,13 @@ const BUSES: [CanvasColumn; 8] = [
     column("Sent", 9, true, 0),
     column("Errors", 9, true, 110),
     column("Dropped", 9, true, 110),
+];
+
+const MODULES: [CanvasColumn; 4] = [
+    column("Module", 14, false, 0),
+    column("Index", 7, true, 0),
+    column("", 10, false, 0),
+    column("State", 22, false, 0),
 ];
 
 /// Counters that a narrow screen has no columns for stand below the table where they are not 0.
@@ -107,11 +114,12 @@ impl View for BusesView {
 
     fn draw(&mut self, frame: &mut Frame<'_>, area: Rect, model: &RigModel, features: TerminalFeatures) {
         let mut canvas = Canvas::new(frame, area, features);
+        let above = draw_modules(&mut canvas, &model.description.modules, &model.status.modules);
         if model.description.buses.is_empty() {
-            canvas.text(1, 0, "The board has no buses.", Style::new());
+            canvas.text(1, above, "The board has no buses.", Style::new());
             return;
         }
-        let below = draw_buses(&mut canvas, &model.description.buses, &model.status.buses);
+        let below = draw_buses(&mut canvas, above, &model.description.buses, &model.status.buses);
         let height = canvas.height().saturating_sub(below);
         let mut rest = canvas.part(0, below, area.width, height);
         let held = if self.held.is_some() { ", held" } else { "" };
@@ -353,10 +361,27 @@ fn style_of(canvas: &Canvas<'_>, frame: &FrameSeen) -> Style {
     if wrong { canvas.alarm() } else { Style::new() }
 }
 
-/// The table of the buses; the row after it.
-fn draw_buses(canvas: &mut Canvas<'_>, infos: &[BusInfo], statuses: &[BusStatus]) -> u16 {
-    canvas::titles(canvas, 0, &BUSES);
+/// The table of the expansion modules, if there are any; the row after it.
+fn draw_modules(canvas: &mut Canvas<'_>, infos: &[ModuleInfo], states: &[String]) -> u16 {
+    if infos.is_empty() {
+        return 0;
+    }
+    canvas::titles(canvas, 0, &MODULES);
     let mut y = 1;
+    for (info, state) in infos.iter().zip(states) {
+        let style = if state == "TM3_OK" { Style::new() } else { canvas.alarm() };
+        let optional = if info.optional { "optional" } else { "" };
+        let cells = [info.reference.clone(), info.index.to_string(), optional.to_owned(), state.clone()];
+        canvas::cells(canvas, y, &MODULES, cells, style);
+        y += 1;
+    }
+    y + 1
+}
+
+/// The table of the buses, from a row on; the row after it.
+fn draw_buses(canvas: &mut Canvas<'_>, from: u16, infos: &[BusInfo], statuses: &[BusStatus]) -> u16 {
+    canvas::titles(canvas, from, &BUSES);
+    let mut y = from + 1;
     for (info, status) in infos.iter().zip(statuses) {
         let sound = matches!(status.state.as_str(), "error-active" | "open" | "");
         let style = if sound && status.errors + status.dropped == 0 { Style::new() } else { canvas.alarm() };

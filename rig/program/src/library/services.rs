@@ -1,7 +1,7 @@
 //! Functions that ask the controller: the machine stops at the call, and the caller of the machine answers.
 
 use super::{Accepts, Body, Function, Gives};
-use crate::types::Elementary::{self, Bool, Dint, Int, Lword, Sint, Udint, Usint};
+use crate::types::Elementary::{self, Bool, Byte, Dint, Int, Lword, Sint, Udint, Uint, Usint, Word};
 
 /// What a program asks of the controller that runs it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -34,7 +34,14 @@ pub enum Service {
     SetRtcDrift,
     /// `InhibitBatLed(Inhibit)` (controller:LED-05).
     InhibitBatteryLed,
+    /// `TM3_GetModuleBusStatus(ModuleIndex)`: the code of the last exchange with an expansion module (io:DIAG-04).
+    ModuleBusStatus,
+    /// `TM3_GetModuleFWVersion(ModuleIndex)`: the version of its firmware (io:DIAG-05).
+    ModuleFirmware,
 }
+
+/// The index of a module in TM3_MODULE_R.
+const MODULE_INDEX: &[(&str, Accepts)] = &[("MODULEINDEX", Accepts::Exact(Byte))];
 
 /// Every function that asks. The first argument is what is asked with.
 pub(super) const FUNCTIONS: &[Function] = &[
@@ -64,6 +71,8 @@ pub(super) const FUNCTIONS: &[Function] = &[
         Service::SetRtcDrift,
     ),
     service("INHIBITBATLED", &[("INHIBIT", Accepts::Exact(Bool))], Int, Service::InhibitBatteryLed),
+    service("TM3_GETMODULEBUSSTATUS", MODULE_INDEX, Word, Service::ModuleBusStatus),
+    service("TM3_GETMODULEFWVERSION", MODULE_INDEX, Uint, Service::ModuleFirmware),
 ];
 
 const fn service(

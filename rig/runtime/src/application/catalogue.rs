@@ -6,7 +6,7 @@ use crate::application::observable::Observable;
 use crate::application::variable_numbers::VariableNumbers;
 use controller::{Config, Led, Probe, SystemType, SystemVariable, TaskConfig};
 use expert::ExpertConfig;
-use profile::{Profile, Reference, module_indices};
+use profile::{ConfiguredModule, IoChannel, Profile, Reference, module_indices};
 use program::{Elementary, Program, Storage};
 use signal::{Address, ValueKind};
 use std::sync::Arc;
@@ -21,9 +21,22 @@ pub struct Catalogue {
     profile: Profile,
     /// The indices of the expansion modules that are configured.
     modules: Vec<usize>,
+    /// Each of them.
+    configured: Vec<ConfiguredModule<'static>>,
+    /// The places of their channels in %I and %Q.
+    module_channels: Vec<Address>,
     reference: &'static Reference,
     functions: ExpertConfig,
     tasks: Vec<TaskConfig>,
+}
+
+/// The places of the channels of modules, which a configuration has that was found right.
+fn module_channels(config: &Config) -> Vec<Address> {
+    let places = config.reference.module_addresses(&config.modules).unwrap_or_default();
+    let channels = places.iter().flat_map(|place| {
+        [place.digital_inputs, place.digital_outputs, place.analogue_inputs, place.analogue_outputs]
+    });
+    channels.flatten().flat_map(|all| all.iter()).collect()
 }
 
 impl Catalogue {
@@ -34,6 +47,8 @@ impl Catalogue {
             names: Some(names),
             profile: config.profile,
             modules: module_indices(&config.modules).into_iter().flatten().collect(),
+            configured: config.modules.iter().filter(|one| one.module.is_on_bus()).cloned().collect(),
+            module_channels: module_channels(config),
             reference: config.reference,
             functions: config.expert.clone(),
             tasks: config.tasks.clone(),
@@ -49,6 +64,16 @@ impl Catalogue {
     #[must_use]
     pub fn of_one_program(&self) -> Catalogue {
         Catalogue { names: None, ..self.clone() }
+    }
+
+    /// The expansion modules on the bus with their indices in TM3_MODULE_R.
+    pub fn modules(&self) -> impl Iterator<Item = (usize, &ConfiguredModule<'static>)> {
+        self.modules.iter().copied().zip(&self.configured)
+    }
+
+    /// Whether an input or output of the controller is at this place.
+    pub fn is_channel(&self, address: Address) -> bool {
+        IoChannel::at(address, self.reference).is_some() || self.module_channels.contains(&address)
     }
 
     /// The programs.

@@ -5,6 +5,7 @@ pub mod blocks;
 pub mod bundle;
 pub mod catalogue;
 pub mod coverage;
+mod enumerations;
 pub mod functions;
 pub(crate) mod inputs;
 pub(crate) mod modules;
@@ -424,6 +425,8 @@ const fn call_of(service: program::Service) -> SystemCall {
         program::Service::GetRtc => SystemCall::GetRtc,
         program::Service::SetRtcDrift => SystemCall::SetRtcDrift,
         program::Service::InhibitBatteryLed => SystemCall::InhibitBatteryLed,
+        program::Service::ModuleBusStatus => SystemCall::ModuleBusStatus,
+        program::Service::ModuleFirmware => SystemCall::ModuleFirmware,
     }
 }
 

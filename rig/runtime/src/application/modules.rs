@@ -4,7 +4,9 @@ use crate::codes;
 use controller::is_module_modelled;
 use document::Diagnostic;
 use plans::plan::ModuleSettings;
-use profile::{CompositionError, CompositionFault, ConfiguredModule, Profile, Reference, check_modules};
+use profile::{
+    CompositionError, CompositionFault, ConfiguredModule, ModuleType, Profile, Reference, check_modules,
+};
 
 /// The configured modules.
 ///
@@ -27,7 +29,7 @@ pub(crate) fn configure(
     }
     if let Some(place) = modules.iter().position(|one| !is_module_modelled(one.module)) {
         let message = format!("the rig has no model of `{}` yet", modules[place].module.reference);
-        let help = "digital and analogue TM3 and TM2 modules, cartridges with known modes, transmitter and receiver have one: leave the module out";
+        let help = "digital, analogue, safety and TM4 modules, TM3XTYS4, cartridges with known modes, transmitter and receiver have one: leave the module out";
         return Err(refused(place, codes::MODULE_NOT_MODELLED, message, help));
     }
     if let Err(full) = reference.module_addresses(&modules) {
@@ -35,6 +37,11 @@ pub(crate) fn configure(
         return Err(refused(full.place, codes::IMAGE_FULL, full.to_string(), help));
     }
     Ok(modules)
+}
+
+/// The modules of a board file, which was held against the catalogue.
+pub(crate) fn fitted(references: &[String]) -> Vec<&'static ModuleType> {
+    references.iter().filter_map(|reference| catalogue::find(reference)).collect()
 }
 
 /// The modules as they stand in the plan.

@@ -1,6 +1,7 @@
 //! The system variables in programs: structures that are compiled with a program that mentions them, and with no
 //! other, so that nothing else changes for it.
 
+use crate::application::enumerations;
 use controller::SystemVariable;
 use document::SourceFile;
 use profile::{MODULE_INDICES, Profile};
@@ -38,6 +39,7 @@ pub fn with_system(
         declare(structure, &mut text);
         *declared = true;
     }
+    enumerations::declare(sources, profile, &mut text);
     let read_only: &[&str] = match declared {
         [true, true, ..] => &["PLC_R", MODULES],
         [true, false, ..] => &["PLC_R"],

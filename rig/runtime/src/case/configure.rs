@@ -80,6 +80,8 @@ pub fn configuration(settings: &PlanSettings, files: &CaseFiles) -> Result<Confi
         functions::check_counted(&config.expert, config.counted, settings, &files.plan.name)?;
     }
     config.modules = modules::configure(&settings.modules, files.profile, files.reference, &files.plan.name)?;
+    config.io_bus_mast = settings.io_bus_mast.unwrap_or(config.io_bus_mast);
+    config.fitted = files.board.fitted.as_deref().map(modules::fitted);
     inputs::configure(&mut config, settings, &files.plan.name)?;
     for (address, on) in &settings.output_defaults {
         let output = address.bit_offset() as usize;

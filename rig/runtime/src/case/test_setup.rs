@@ -53,10 +53,12 @@ impl TestSetup {
         trace: Trace,
         exact: bool,
     ) -> Result<PreparedCase, Vec<Diagnostic>> {
-        let modules = module_indices(&modules::configured(&case.settings.modules));
-        let modules: Vec<usize> = modules.into_iter().flatten().collect();
+        let modules = modules::configured(&case.settings.modules);
+        let linked = modules.iter().any(|one| one.module.kind.is_link());
+        let modules: Vec<usize> = module_indices(&modules).into_iter().flatten().collect();
         let mut bench = TestBench {
             modules: &modules,
+            linked,
             subject: &mut *self.subject,
             board: &*self.board,
             file: &files.board,

@@ -8,8 +8,7 @@ use crate::subject::{NO_PROBE, SubjectExt};
 use control::ControllerAction;
 use controller::{Command, Probe};
 use drivers::{BusEvent, ChannelId, LossReason};
-use profile::IoChannel;
-use signal::{Cause, Time, Value, When};
+use signal::{Address, Area, Cause, Time, Value, When};
 use std::sync::atomic::Ordering;
 
 /// Whether a probe of the rig's own controller means the same in the one that an executor has: the program and the functions
@@ -210,8 +209,8 @@ impl<'a> Executor<'a> {
                 written.map(|()| None).map_err(ScanCommandError::Write)
             }
             ScanCommand::Write(ObservedSource::Channel(channel), value) => self.write_channel(channel, value),
-            ScanCommand::Force(channel, on) => self.command(&Command::Force { channel, on }),
-            ScanCommand::Release(channel) => self.command(&Command::Unforce(channel)),
+            ScanCommand::Force(address, value) => self.command(&Command::Force { address, value }),
+            ScanCommand::Release(address) => self.command(&Command::Unforce(address)),
             ScanCommand::ReleaseAll => self.release_all(),
             ScanCommand::Command(action) => self.act_on(action),
             ScanCommand::Abort => Err(ScanCommandError::NoPlan),
@@ -243,10 +242,12 @@ impl<'a> Executor<'a> {
 
     fn release_all(&mut self) -> CommandOutcome {
         let Some(front) = self.parts.subject.front() else { return Err(ScanCommandError::NoModel) };
-        let inputs = front.forced_inputs.iter().map(|(input, _)| IoChannel::Input(input));
-        let outputs = front.forced_outputs.iter().map(|(output, _)| IoChannel::Output(output));
-        for channel in inputs.chain(outputs) {
-            self.command(&Command::Unforce(channel))?;
+        let inputs = front.forced_inputs.iter().map(|(input, _)| Address::bit(Area::Input, input as u32));
+        let outputs =
+            front.forced_outputs.iter().map(|(output, _)| Address::bit(Area::Output, output as u32));
+        let of_modules = front.forced_places.iter().map(|(address, _)| address);
+        for address in inputs.chain(outputs).chain(of_modules) {
+            self.command(&Command::Unforce(address))?;
         }
         Ok(None)
     }

@@ -3,7 +3,7 @@
 use crate::application::blocks;
 use controller::{Memory, Rtc};
 use expert::{ExpertConfig, ExpertFunctions};
-use profile::Profile;
+use profile::{ExchangeCode, NO_FIRMWARE_VERSION, Profile};
 use program::{
     Coverage, Host, Machine, MachineError, Pins, Program, ProgramFault, Service, SetError, ShownVariable,
     StopReason,
@@ -329,6 +329,8 @@ impl StandaloneRun {
             Service::FirstMastWarmCycle | Service::HasForcedIo | Service::InhibitBatteryLed => 0,
             // TM3_ERR_PARAMETER: there is no module.
             Service::ModuleInternalStatus => 2,
+            Service::ModuleBusStatus => i64::from(ExchangeCode::Parameter.code()),
+            Service::ModuleFirmware => i64::from(NO_FIRMWARE_VERSION),
             Service::GetRtc => self.rtc.seconds(self.now),
             Service::SetRtcDrift => self.rtc.set_drift(argument, self.profile, self.now),
         };

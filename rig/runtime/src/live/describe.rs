@@ -3,14 +3,15 @@
 use super::directory::is_written;
 use crate::application::catalogue::Catalogue;
 use control::{
-    BusInfo, ChannelInfo as OnBoard, DeviceInfo, FrameSeen, FunctionInfo, PointDirection, PointInfo,
-    SignalKind, TaskInfo,
+    BusInfo, ChannelInfo as OnBoard, DeviceInfo, FrameSeen, FunctionInfo, ModuleInfo, PointDirection,
+    PointInfo, SignalKind, TaskInfo,
 };
 use controller::{TaskConfig, TaskKind};
 use drivers::{Board, BoardExt, BoardFile, BusId, BusKind, ChannelId, ChannelKind};
 use expert::{CounterKind, CounterMode, FunctionKind};
+use profile::{ConfiguredModule, IoChannel};
 use program::Storage;
-use signal::{Address, Area, CanFrame, SerialErrors, SerialMessage, Time};
+use signal::{Address, Area, CanFrame, SerialErrors, SerialMessage, Size, Time};
 
 /// The devices behind a board's channels and buses, each once.
 #[derive(Debug)]
@@ -91,7 +92,27 @@ pub fn points(
     };
     let inputs = (0..inputs).map(|number| terminal(Area::Input, 'I', number));
     let outputs = (0..outputs).map(|number| terminal(Area::Output, 'Q', number));
-    let terminals: Vec<PointInfo> = inputs.chain(outputs).collect();
+    // Channels of modules have the names of their terminals.
+    let of_modules = file.bind.iter().filter_map(|binding| {
+        let address = binding.address;
+        let is_embedded = IoChannel::at(address, reference).is_some();
+        let known = board.channels().get(usize::from(binding.channel.0))?;
+        (catalogue.is_channel(address) && !is_embedded).then(|| PointInfo {
+            name: known.name.clone(),
+            address: Some(address.to_string()),
+            variable: variable_at(catalogue, address),
+            direction: match address.area() {
+                Area::Input => PointDirection::Input,
+                _ => PointDirection::Output,
+            },
+            kind: if address.size() == Size::Bit { SignalKind::Bool } else { SignalKind::Real },
+            channel: channel(binding.channel),
+            image: Some(address.to_string()),
+            forcible: true,
+            writable: written(binding.channel),
+        })
+    });
+    let terminals: Vec<PointInfo> = inputs.chain(outputs).chain(of_modules).collect();
     // A simulated board has a line for each terminal. Nothing is on that of one which is bound elsewhere, and its name means
     // the terminal.
     let leads_nowhere =
@@ -161,6 +182,16 @@ pub fn tasks(catalogue: &Catalogue, programs: &[(String, Vec<String>)]) -> Vec<T
         programs: named(&config.name),
     };
     catalogue.tasks().iter().map(task).collect()
+}
+
+/// The expansion modules.
+pub fn modules(catalogue: &Catalogue) -> Vec<ModuleInfo> {
+    let module = |(index, one): (usize, &ConfiguredModule<'_>)| ModuleInfo {
+        index: u8::try_from(index).unwrap_or(u8::MAX),
+        reference: one.module.reference.clone(),
+        optional: one.optional,
+    };
+    catalogue.modules().map(module).collect()
 }
 
 /// The expert functions.

@@ -8,7 +8,6 @@ use crate::scan_port::ObservedSource;
 use control::{RequestFault, Signal, SignalKind};
 use controller::Probe;
 use drivers::{BoardFile, Channel, ChannelId, ChannelKind};
-use profile::IoChannel;
 use signal::{Address, AddressLimits, Area, Span, Value, ValueKind};
 use std::collections::BTreeMap;
 
@@ -157,14 +156,14 @@ impl Directory {
         self.signals.get(signal as usize).map(|known| &known.signal)
     }
 
-    /// The embedded input or output whose image or line a signal is.
-    pub fn embedded_channel(&self, signal: u32) -> Option<IoChannel> {
+    /// The place in %I or %Q of the input or output whose image or line a signal is.
+    pub fn forced_place(&self, signal: u32) -> Option<Address> {
         let address = match self.source(signal)?.1 {
             ObservedSource::Inside(Probe::Address(address)) => address,
             ObservedSource::Inside(_) => return None,
             ObservedSource::Channel(channel) => self.channels.get(usize::from(channel.0))?.terminal?,
         };
-        IoChannel::at(address, self.catalogue.reference())
+        self.catalogue.is_channel(address).then_some(address)
     }
 
     /// The value as a signal takes it.

@@ -47,9 +47,9 @@ pub fn too_many(what: &str) -> RequestFault {
     fault(codes::TOO_MANY, format!("too much at once: {what}"), "end what is not needed, or ask again later")
 }
 
-/// Something that is no embedded input or output.
+/// Something that is no input or output of the controller.
 pub fn not_forced(name: &str) -> RequestFault {
-    let help = "force an embedded input or output, as in %IX0.2 or Q3; write anything else";
+    let help = "force an input or output of the controller, as in %IX0.2 or Q3; write anything else";
     fault(codes::NOT_FORCEABLE, format!("`{name}` cannot be forced"), help)
 }
 

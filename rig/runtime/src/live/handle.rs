@@ -12,7 +12,7 @@ use control::{
 };
 use host::Bell;
 use services::control::{Answer, MOST_ORDERS, Rig, RigEvent, RigOrder, Ticket};
-use signal::{Value, When};
+use signal::{Size, Value, When};
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
 
@@ -146,7 +146,7 @@ impl LiveRig {
         let terminal = |signal: u32| {
             let name = self.directory.signal(signal).map_or("", |signal| signal.name.as_str());
             self.directory
-                .embedded_channel(signal)
+                .forced_place(signal)
                 .ok_or_else(|| fault::not_forced(name))
                 .map(|found| (found, name))
         };
@@ -156,12 +156,17 @@ impl LiveRig {
                 ScanCommand::Write(source(signal)?, self.directory.fitting(signal, value)?)
             }
             RigOrder::Force(signal, value) => {
-                let (channel, name) = terminal(signal)?;
-                match value.as_int() {
-                    Some(0) => ScanCommand::Force(channel, false),
-                    Some(1) => ScanCommand::Force(channel, true),
-                    _ => return Err(fault::bad_value(name, "TRUE or FALSE")),
-                }
+                let (address, name) = terminal(signal)?;
+                let fits = |value: &i128| match address.size() {
+                    Size::Bit => (0..=1).contains(value),
+                    _ => (i128::from(i16::MIN)..=i128::from(u16::MAX)).contains(value),
+                };
+                let expected = match address.size() {
+                    Size::Bit => "TRUE or FALSE",
+                    _ => "a whole number from -32768 to 65535",
+                };
+                let value = value.as_int().filter(fits).ok_or_else(|| fault::bad_value(name, expected))?;
+                ScanCommand::Force(address, u64::from(value as u16))
             }
             RigOrder::Release(signal) => ScanCommand::Release(terminal(signal)?.0),
             RigOrder::ReleaseAll => ScanCommand::ReleaseAll,

@@ -69,6 +69,7 @@ pub fn open(
     let limits = files.profile.address_limits();
     let tasks = describe::tasks(&catalogue, &stage.tasks);
     let functions = describe::functions(&catalogue);
+    let modules = describe::modules(&catalogue);
     let directory = Directory::new(catalogue, file, board.channels(), limits);
     let description = Description {
         board: file.name.clone(),
@@ -82,6 +83,7 @@ pub fn open(
         tasks,
         functions,
         buses: describe::buses(board, file),
+        modules,
         devices: devices.list.clone(),
         on_disconnect: String::new(),
         load_limit: u32::try_from(OVERLOAD_PERCENT * 10).unwrap_or_default(),

@@ -3,13 +3,13 @@
 use super::describe::DeviceTable;
 use crate::scan_port::{BusCounts, LineCounts, Snapshot, counts};
 use control::{
-    BusInfo, BusStatus, Description, DeviceStatus, ForcedPoint, LedStatus as Lit, PointStatus, RigStatus,
-    Status, StatusWarning, TaskStatus, WireValue,
+    BusInfo, BusStatus, Description, DeviceStatus, ForcedPoint, LedStatus as Lit, ModuleInfo, PointStatus,
+    RigStatus, Status, StatusWarning, TaskStatus, WireValue,
 };
 use controller::{ForcedChannels, FrontPanel, JitterCounts, Led, LedPattern, TaskFigures};
 use drivers::BusState;
 use host::HostMachine;
-use signal::{Address, Area, Span, Time, Value};
+use signal::{Address, Area, Size, Span, Time, Value};
 use std::time::{Duration, Instant};
 
 /// From one look at the machine to the next.
@@ -95,6 +95,11 @@ impl StatusSource {
                 .collect(),
             devices: self.devices(),
             buses: now.buses.iter().zip(&description.buses).map(|(counts, info)| bus(counts, info)).collect(),
+            modules: now.front.map_or_else(Vec::new, |front| {
+                let state = |module: &ModuleInfo| front.modules.get(usize::from(module.index));
+                let named = |module| state(module).map_or("", |state| state.name()).to_owned();
+                description.modules.iter().map(named).collect()
+            }),
             rig: RigStatus {
                 late_max: now.late.as_nanos(),
                 late_outputs: now.late_outputs.as_nanos(),
@@ -196,7 +201,16 @@ fn forced(front: &FrontPanel) -> Vec<ForcedPoint> {
             by: None,
         })
     };
-    of(Area::Input, front.forced_inputs).chain(of(Area::Output, front.forced_outputs)).collect()
+    let of_modules = front.forced_places.iter().map(|(address, value)| ForcedPoint {
+        address: address.to_string(),
+        value: WireValue(match address.size() {
+            Size::Bit => Value::Bool(value != 0),
+            _ => Value::Word(value),
+        }),
+        by: None,
+    });
+    let embedded = of(Area::Input, front.forced_inputs).chain(of(Area::Output, front.forced_outputs));
+    embedded.chain(of_modules).collect()
 }
 
 fn point(line: &LineCounts) -> PointStatus {

@@ -12,7 +12,7 @@ use plans::PlanStep;
 use plans::lang::Literal;
 use plans::steps::LineFault;
 use profile::IoChannel;
-use signal::{Area, Level, Span, Value};
+use signal::{Address, Area, Level, Span, Value};
 
 /// The code of pulses that the board does not promise: a case with such a step gets no verdict.
 pub(crate) const NOT_PROMISED: &str = codes::PULSES_NOT_PROMISED;
@@ -76,14 +76,14 @@ pub(super) fn driven(
     Some(channel)
 }
 
-/// The embedded channel of a signal, for forcing.
-pub(super) fn embedded_channel(
+/// The place of an input or output of the controller, for forcing.
+pub(super) fn forced_place(
     name: &str,
     names: &SignalMeanings<'_>,
     bench: &TestBench<'_>,
     step: &PlanStep,
     out: &mut Findings,
-) -> Option<IoChannel> {
+) -> Option<Address> {
     let address = match names.meaning(name)? {
         NameMeaning::Channel(_, Some(address)) => Some(address),
         NameMeaning::Channel(channel, None) => {
@@ -92,12 +92,12 @@ pub(super) fn embedded_channel(
         NameMeaning::Inside(Observable { probe: Probe::Address(address), .. }) => Some(address),
         NameMeaning::Inside(_) | NameMeaning::OfBus => None,
     };
-    let channel = address.and_then(|address| IoChannel::at(address, bench.reference));
-    if channel.is_none() {
+    let place = address.filter(|address| bench.subject.terminal(*address).is_some());
+    if place.is_none() {
         let help = "only inputs and outputs of the controller are forced; a variable is written with `write`";
         out.error(codes::NOT_A_LINE, step.span.clone(), format!("`{name}` is no input or output"), help);
     }
-    channel
+    place
 }
 
 /// A written value as a channel takes it, if it does.

@@ -48,6 +48,8 @@ pub struct TestBench<'a> {
     pub reference: &'static Reference,
     /// The indices of the expansion modules that are configured.
     pub modules: &'a [usize],
+    /// Transmitter and receiver are configured.
+    pub linked: bool,
     /// The application that a download step transfers where it names none; empty where there is none.
     pub bundle: &'a [u8],
     /// The programs that steps bring, as bundles.

@@ -1,21 +1,21 @@
 //! From the steps of a plan to what is done on a bench.
 
 use super::TestBench;
-use super::lines::{driven, embedded_channel, fault_kind, line, of_controller, value_for};
+use super::lines::{driven, fault_kind, forced_place, line, of_controller, value_for};
 use super::meaning::{NameMeaning, SignalMeanings, known_tasks, suggestion};
 use super::waves::generator;
 use crate::application::catalogue::Catalogue;
 use crate::codes;
 use crate::schedule::{Act, Expected, FileAction, PlannedStep, Timing};
 use crate::subject::SubjectExt;
-use controller::{Command, DeviceReset, Disturbance, FAULT_BITS, FileUser, InternalError};
+use controller::{Command, DeviceReset, Disturbance, FAULT_BITS, FileUser, InternalError, ModuleFault};
 use document::Findings;
 use drivers::{BoardExt, Fault};
 use plans::lang::Literal;
 use plans::steps::{AwaitedChange, ProgramRef, StepCondition, Stimulus};
 use plans::{PlanStep, StepTime};
 use profile::IoChannel;
-use signal::{Address, SignalId, SignalInfo, Span, Trace, Value, ValueKind};
+use signal::{Address, SignalId, SignalInfo, Size, Span, Trace, Value, ValueKind};
 
 pub(super) fn plan_step(
     step: &PlanStep,
@@ -61,21 +61,20 @@ pub(super) fn plan_step(
             Vec::new()
         }
         Stimulus::Force { signal, value } => {
-            let channel = embedded_channel(signal, names, bench, step, out)?;
-            let Some(on) = boolean(value) else {
-                out.error(
-                    codes::VALUE_MISFIT,
-                    step.span.clone(),
-                    "a terminal is forced to TRUE or FALSE",
-                    "",
-                );
+            let address = forced_place(signal, names, bench, step, out)?;
+            let Some(value) = forced_value(address, value) else {
+                let message = match address.size() {
+                    Size::Bit => "a terminal is forced to TRUE or FALSE",
+                    _ => "an analogue terminal is forced to a whole number of counts, from -32768 to 65535",
+                };
+                out.error(codes::VALUE_MISFIT, step.span.clone(), message, "");
                 return None;
             };
-            vec![(Span::ZERO, Act::Command(Command::Force { channel, on }, expected(step)))]
+            vec![(Span::ZERO, Act::Command(Command::Force { address, value }, expected(step)))]
         }
         Stimulus::Release { signal } => {
-            let channel = embedded_channel(signal, names, bench, step, out)?;
-            vec![(Span::ZERO, Act::Command(Command::Unforce(channel), expected(step)))]
+            let address = forced_place(signal, names, bench, step, out)?;
+            vec![(Span::ZERO, Act::Command(Command::Unforce(address), expected(step)))]
         }
         Stimulus::Write { of, value } => {
             let observable = match names.meaning(of)? {
@@ -263,7 +262,7 @@ fn disturbance(
     step: &PlanStep,
     out: &mut Findings,
 ) -> Option<Disturbance> {
-    use plans::steps::{DisturbanceKind, InternalErrorKind};
+    use plans::steps::{DisturbanceKind, InternalErrorKind, ModuleFaultKind};
     let mut output = |address: Address| match IoChannel::at(address, bench.reference) {
         Some(IoChannel::Output(output)) => Some(output),
         _ => {
@@ -284,7 +283,7 @@ fn disturbance(
             InternalErrorKind::Firmware => InternalError::Firmware,
             InternalErrorKind::FirmwareException => InternalError::FirmwareException,
         }),
-        DisturbanceKind::SilentModule { index, exchanges } => {
+        DisturbanceKind::Module { index, fault } => {
             let index = usize::from(index);
             if !bench.modules.contains(&index) {
                 let known: Vec<String> = bench.modules.iter().map(usize::to_string).collect();
@@ -296,8 +295,28 @@ fn disturbance(
                 out.error(codes::NO_MODULE, step.span.clone(), message, help);
                 return None;
             }
-            Disturbance::SilentModule { index, exchanges: if on { exchanges } else { Some(0) } }
+            let fault = match fault {
+                ModuleFaultKind::Silent(exchanges) => {
+                    ModuleFault::Silent(if on { exchanges } else { Some(0) })
+                }
+                ModuleFaultKind::Pulled => ModuleFault::Pulled(on),
+                ModuleFaultKind::Replaced(module) => ModuleFault::Replaced(module.filter(|_| on)),
+                ModuleFaultKind::Disturbs => ModuleFault::Disturbs(on),
+            };
+            Disturbance::Module { index, fault }
         }
+        DisturbanceKind::NoBusSupply => Disturbance::BusSupply(!on),
+        DisturbanceKind::NoBusLink if on && !bench.linked => {
+            let help = "write TM3XTRA1 and TM3XREC1 into `settings.modules`";
+            out.error(
+                codes::NO_MODULE,
+                step.span.clone(),
+                "no transmitter and receiver are configured",
+                help,
+            );
+            return None;
+        }
+        DisturbanceKind::NoBusLink => Disturbance::BusLink(!on),
         DisturbanceKind::External(bit) => {
             let bits: Vec<String> = FAULT_BITS.iter().map(u8::to_string).collect();
             let help = format!("the others are {}", bits.join(", "));
@@ -345,6 +364,18 @@ fn awaited(
         out.error(codes::VALUE_MISFIT, step.span.clone(), message, help);
     }
     change
+}
+
+/// What a place of %I or %Q is forced to.
+fn forced_value(address: Address, literal: &Literal) -> Option<u64> {
+    if address.size() == Size::Bit {
+        return boolean(literal).map(u64::from);
+    }
+    let Literal::Value(value) = literal else { return None };
+    let counts = value.as_int()?;
+    // A word has the bits of a signed number as well as of an unsigned one.
+    let word = u16::try_from(counts).or_else(|_| i16::try_from(counts).map(i16::cast_unsigned));
+    word.ok().map(u64::from)
 }
 
 fn boolean(literal: &Literal) -> Option<bool> {

@@ -5,9 +5,8 @@ use super::snapshot::Snapshot;
 use control::{ControllerAction, PlanEvent};
 use controller::{CommandError, Probe, WriteError};
 use drivers::{BoardError, BusId, ChannelId};
-use profile::IoChannel;
 use rtrb::{Consumer, Producer, RingBuffer};
-use signal::{CanFrame, SerialMessage, Span, Time, Value, When};
+use signal::{Address, CanFrame, SerialMessage, Span, Time, Value, When};
 
 /// Requests that wait for the scan: all orders under way, and as many changes of what is watched.
 const REQUESTS: usize = 1_024;
@@ -45,10 +44,10 @@ pub enum ScanCommand {
     Read(ObservedSource),
     /// Something is written.
     Write(ObservedSource, Value),
-    /// An embedded input or output is forced.
-    Force(IoChannel, bool),
+    /// An input or output is forced, by its place in %I or %Q.
+    Force(Address, u64),
     /// No more.
-    Release(IoChannel),
+    Release(Address),
     /// None at all.
     ReleaseAll,
     /// A command.

@@ -10,7 +10,9 @@ use plans::Case;
 use plans::judge::{INSTANTS_COVERAGE_NOTE, counts_note, coverage_note};
 use plans::plan::DelayModel;
 use plans::steps::ProgramRef;
-use plans::steps::{DisturbanceKind, FileOperation, LineFault, PlanCommand, Stimulus, StimulusShape};
+use plans::steps::{
+    DisturbanceKind, FileOperation, LineFault, ModuleFaultKind, PlanCommand, Stimulus, StimulusShape,
+};
 use record::{CaseRecord, ClaimOrigin, Hashes, Parameter, StepRecord};
 use sha2::{Digest, Sha256};
 use signal::{Coverage, Trace};
@@ -207,6 +209,18 @@ fn program_name(program: &ProgramRef) -> String {
     }
 }
 
+/// What is wrong with an expansion module, after its name.
+fn show_module_fault(fault: &ModuleFaultKind) -> String {
+    match fault {
+        ModuleFaultKind::Silent(None) => String::from("is silent"),
+        ModuleFaultKind::Silent(Some(exchanges)) => format!("is silent for {exchanges} exchanges"),
+        ModuleFaultKind::Pulled => String::from("is pulled"),
+        ModuleFaultKind::Replaced(Some(module)) => format!("is replaced by {}", module.reference),
+        ModuleFaultKind::Replaced(None) => String::from("is replaced"),
+        ModuleFaultKind::Disturbs => String::from("disturbs those beside it"),
+    }
+}
+
 /// A fault in words.
 pub(crate) fn show_fault(kind: &LineFault) -> String {
     match kind {
@@ -312,12 +326,11 @@ pub fn what(stimulus: &Stimulus) -> String {
                 DisturbanceKind::NoIoSupply => String::from("no supply of inputs and outputs"),
                 DisturbanceKind::External(bit) => format!("external error {bit}"),
                 DisturbanceKind::Internal(kind) => format!("internal error: {}", kind.name()),
-                DisturbanceKind::SilentModule { index, exchanges: None } => {
-                    format!("module {index} is silent")
+                DisturbanceKind::Module { index, fault } => {
+                    format!("module {index} {}", show_module_fault(fault))
                 }
-                DisturbanceKind::SilentModule { index, exchanges: Some(exchanges) } => {
-                    format!("module {index} is silent for {exchanges} exchanges")
-                }
+                DisturbanceKind::NoBusSupply => String::from("no supply of the expansion bus"),
+                DisturbanceKind::NoBusLink => String::from("link of transmitter and receiver cut"),
             };
             match (on, lasts) {
                 (true, Some(lasts)) => format!("{what} for {lasts}"),

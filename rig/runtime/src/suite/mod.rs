@@ -51,7 +51,13 @@ fn terminals_of(reference: &'static Reference) -> Terminals {
             other => SubjectPortKind::Other(other.to_string()),
         },
     });
-    Terminals { inputs: inputs.collect(), outputs: outputs.collect(), ports: ports.collect() }
+    let modules = catalogue::modules().iter().map(|module| module.reference.clone());
+    Terminals {
+        inputs: inputs.collect(),
+        outputs: outputs.collect(),
+        ports: ports.collect(),
+        modules: modules.collect(),
+    }
 }
 
 /// The terminals of modules: `M2.Q0` is the first output of the second module of the list. A list that the controller refuses has

@@ -138,6 +138,7 @@ impl Texts<'_> {
         model.commission(&bundle, State::Running).unwrap();
         let mut bench = TestBench {
             modules: &[],
+            linked: false,
             subject: &mut model,
             board: &*board,
             file: &files.board,

@@ -38,8 +38,8 @@ impl Controller {
             Command::PlaceBootApplication(bundle) => self.command_place_boot_application(&bundle, now, fx),
             Command::DeleteApplication => self.command_delete_application(now, fx),
             Command::Firmware { valid } => self.command_firmware(valid),
-            Command::Force { channel, on } => self.force(channel, Some(on)),
-            Command::Unforce(channel) => self.force(channel, None),
+            Command::Force { address, value } => self.force(address, Some(value)),
+            Command::Unforce(address) => self.force(address, None),
             Command::Switch(run) => {
                 self.move_switch(run, now, fx);
                 Ok(())

@@ -41,7 +41,7 @@ impl Controller {
     /// Forcing and the indications of errors are erased (controller:FRC-07, controller:WD-15); `stopped` is why RUNNING is
     /// left with that.
     pub(in crate::controller) fn clear_diagnostics(&mut self, stopped: Option<StopCause>) {
-        self.io.clear_forcing();
+        self.clear_forcing();
         self.io.reset_protection();
         self.clear_errors(stopped);
         self.clear_plc_w();

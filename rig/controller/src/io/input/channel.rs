@@ -86,6 +86,11 @@ impl InputChannel {
         changed
     }
 
+    /// Levels take so long from now on, those under way as long as before.
+    pub(crate) const fn set_delay(&mut self, delay: Span) {
+        self.delay = delay;
+    }
+
     /// Level at the terminal.
     pub(crate) const fn terminal(&self) -> bool {
         self.terminal

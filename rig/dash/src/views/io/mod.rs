@@ -99,11 +99,17 @@ impl IoView {
         let Some(row) = self.chosen_row(model) else { return Vec::new() };
         let Some(address) = row.forcible(model) else {
             return vec![ViewRequest::Message(
-                "this cannot be forced: embedded inputs and outputs can".to_owned(),
+                "this cannot be forced: inputs and outputs of the controller can".to_owned(),
             )];
         };
-        let now = row.cells(model).image.and_then(|value| value.0.as_bool()).unwrap_or(false);
-        let other = show::value(WireValue(Value::Bool(!now)), &[]);
+        let now = row.cells(model).image;
+        let other = match now.map(|value| value.0) {
+            // An analogue channel is forced to its counts.
+            Some(counts @ Value::Word(_)) => show::value(WireValue(counts), &[]),
+            level => {
+                show::value(WireValue(Value::Bool(!level.and_then(Value::as_bool).unwrap_or(false))), &[])
+            }
+        };
         self.prompt(IoPrompt::Force(address.clone()), format!("Force {address} to"), other)
     }
 
@@ -293,7 +299,7 @@ impl View for IoView {
                 }
                 return Vec::new();
             }
-            Some(IoPrompt::Force(name)) => input_value::value(text, &ExpectedInput::level())
+            Some(IoPrompt::Force(name)) => input_value::value(text, &ExpectedInput::at(&name))
                 .map(|value| RequestOperation::Force { name, value }),
             Some(IoPrompt::Write(name, expected)) => {
                 input_value::value(text, &expected).map(|value| RequestOperation::Write { name, value })

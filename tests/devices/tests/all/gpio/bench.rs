@@ -18,6 +18,7 @@ fn terminals(_: &Subject) -> Result<Terminals, UnknownSubject> {
         inputs: (0..14).map(|bit| Address::bit(Area::Input, bit)).collect(),
         outputs: (0..10).map(|bit| Address::bit(Area::Output, bit)).collect(),
         ports: Vec::new(),
+        modules: Vec::new(),
     })
 }
 
