@@ -122,6 +122,22 @@ fn numbers_are_converted_to_the_unit_of_their_channel() {
 }
 
 #[test]
+fn modules_that_are_fitted() {
+    let fitted = |text: &str| {
+        let file = read(&SourceFile::new("b.toml", format!("format = 1\n{text}\n")), &levels);
+        file.map(|file| file.fitted).map_err(|found| found[0].code)
+    };
+    let both = ["TM3DI16", "TM3DQ16T"].map(String::from).to_vec();
+    assert_eq!(fitted(""), Ok(None));
+    assert_eq!(fitted("modules = []"), Ok(Some(Vec::new())));
+    assert_eq!(fitted("modules = [\"tm3di16\", { type = \"TM3DQ16T\" }]"), Ok(Some(both.clone())));
+    assert_eq!(fitted("[[modules]]\ntype = \"TM3DI16\"\n[[modules]]\ntype = \"TM3DQ16T\""), Ok(Some(both)));
+    assert_eq!(fitted("modules = [\"TM3DI17\"]"), Err("B0314"));
+    assert_eq!(fitted(&format!("modules = [{}]", "\"TM3DI16\",".repeat(33))), Err("B0314"));
+    assert_eq!(fitted("modules = [\"TM3DI16\"]\n[subject]\nkind = \"external\""), Err("B0314"));
+}
+
+#[test]
 fn the_smallest_file_is_the_default_board() {
     let file = read(&SourceFile::new("b.toml", "format = 1\n"), &levels).unwrap();
     let Terminals { inputs, outputs, .. } = levels(&Subject::default()).unwrap();
