@@ -16,7 +16,7 @@ pub(super) struct Scale {
     pub(super) power: i32,
 }
 
-/// Most characters of a written unit.
+/// Most characters of a unit in its one spelling.
 const MAX_LENGTH: usize = 16;
 
 /// The base unit of time.
@@ -84,7 +84,7 @@ impl Unit {
 }
 
 /// Length of the unit at the beginning of the text, 0 if there is none: letters, `%`, `°`, `/`, `·`, `^`, and
-/// digits from the second character on, at most 16.
+/// digits from the second character on, at most 16 in the one spelling, so that what is shown reads back.
 pub(super) fn unit_length(text: &str) -> usize {
     let part =
         |(at, c): &(usize, char)| c.is_alphabetic() || "%°/·^".contains(*c) || (*at > 0 && c.is_numeric());
@@ -92,7 +92,10 @@ pub(super) fn unit_length(text: &str) -> usize {
     let (mut length, mut count) = (0, 0);
     for (at, char) in word {
         length = at + char.len_utf8();
-        count += 1;
+        count += match char {
+            '°' | 'Ω' | '\u{2126}' => 3,
+            _ => 1,
+        };
     }
     if count > MAX_LENGTH { 0 } else { length }
 }
@@ -142,6 +145,7 @@ mod tests {
         assert_eq!(unit_length("m3/h und"), 4);
         assert_eq!(unit_length("3m"), 0);
         assert_eq!(unit_length("°C"), 3);
+        assert_eq!((unit_length(&"°".repeat(5)), unit_length(&"°".repeat(6))), (10, 0));
         assert_eq!(unit_length("Volts_and_more"), 5);
         assert_eq!(unit_length("abcdefghijklmnopq"), 0);
     }
