@@ -125,9 +125,9 @@ impl Modules {
         (self.at_defaults, self.defaulted) = (false, DefaultedOutputs::None);
     }
 
-    /// Initialization values show from now on; these outputs take their default values after them.
+    /// Initialization values show from now on, whatever an earlier stop said; these outputs take their default values after them.
     pub(crate) fn begin_initialization(&mut self, defaulted: DefaultedOutputs) {
-        self.defaulted = defaulted;
+        (self.at_defaults, self.defaulted) = (false, defaulted);
     }
 
     /// Initialization values are over; whether %Q changed. A place that has its default value already is written by nobody.

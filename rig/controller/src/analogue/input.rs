@@ -1,6 +1,6 @@
 //! An analogue input: from the terminal through the filter to the last conversion.
 //!
-//! Nothing ticks: the value behind the filter and the last instant of conversion follow from the time in closed form, when the
+//! Nothing ticks: the value after the filter and the last instant of conversion follow from the time in closed form, when the
 //! bus reads and before something changes at the terminal.
 
 use super::sampling::Sampling;
@@ -34,7 +34,7 @@ pub(super) struct AnalogueInput {
     terminal: Terminal,
     /// Since when that is there.
     since: Time,
-    /// The value behind the filter at that instant.
+    /// The value after the filter at that instant.
     from: f64,
     /// The conversion will not change until something changes at the terminal.
     settled: bool,
@@ -135,7 +135,7 @@ impl AnalogueInput {
         self.settled = value == parts(target);
     }
 
-    /// The value behind the filter at an instant since the last change.
+    /// The value after the filter at an instant since the last change.
     fn filtered(&self, at: Time) -> f64 {
         let Some(target) = self.target() else { return self.from };
         let (elapsed, tau) = (at.as_nanos().saturating_sub(self.since.as_nanos()), self.filter.as_nanos());

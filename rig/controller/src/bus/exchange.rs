@@ -22,7 +22,7 @@ pub(super) struct Exchange {
     disturbed: bool,
     /// How many failed in a row.
     failed: u32,
-    /// What the bus wrote last arrived.
+    /// The module answered the last read, so that it hears what the bus writes.
     hears: bool,
     state: ModuleState,
     /// When its outputs go off.
@@ -70,9 +70,9 @@ impl Exchange {
         !matches!(self.state, ModuleState::MissingOptional | ModuleState::ConfigurationError)
     }
 
-    /// Whether what the bus writes arrives.
+    /// Whether what the bus writes arrives: not in a cycle whose read failed, the last one of a silence included.
     pub(super) fn is_written(&self) -> bool {
-        self.answers() && self.is_exchanged()
+        self.hears && self.answers() && self.is_exchanged()
     }
 
     /// The state of the module.
@@ -115,14 +115,14 @@ impl Exchange {
         }
         if answers {
             self.outputs_off = Time::MAX;
-            if !self.disturbed {
-                (self.failed, self.state) = (0, ModuleState::Ok);
-                return true;
-            }
         } else if self.hears {
             self.silent_since(now);
         }
         self.hears = answers;
+        if answers && !self.disturbed {
+            (self.failed, self.state) = (0, ModuleState::Ok);
+            return true;
+        }
         self.failed = self.failed.saturating_add(1);
         if self.failed >= FAILURES {
             self.state = ModuleState::BusError;
@@ -145,5 +145,36 @@ impl Exchange {
     /// Its outputs are off.
     pub(super) fn switched_off(&mut self) {
         self.outputs_off = Time::MAX;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(seconds: i64) -> Time {
+        Time::ZERO + Span::from_secs(seconds)
+    }
+
+    #[test]
+    fn the_last_exchange_of_a_silence_hears_no_write() {
+        let mut exchange = Exchange::new(true);
+        exchange.start(at(0), ModuleState::Ok);
+        exchange.silence(Some(1));
+        assert!(!exchange.succeeds(at(1)) && !exchange.is_written());
+        assert!(exchange.succeeds(at(2)) && exchange.is_written());
+    }
+
+    #[test]
+    fn each_silence_counts_its_own_time() {
+        let mut exchange = Exchange::new(true);
+        exchange.start(at(0), ModuleState::Ok);
+        for silent in [10, 20] {
+            exchange.silence(Some(1));
+            assert!(!exchange.succeeds(at(silent)));
+            assert_eq!(exchange.outputs_off(), at(silent + 10));
+            assert!(exchange.succeeds(at(silent + 1)));
+            assert_eq!(exchange.outputs_off(), Time::MAX);
+        }
     }
 }

@@ -25,7 +25,7 @@ struct Slot {
 #[derive(Debug)]
 pub(super) struct FittedModules {
     slots: Vec<Slot>,
-    /// How many of the places are local; the others are behind the receiver.
+    /// How many of the places are local; the others come after the receiver.
     local: usize,
     /// The bus has its supply (io:HW-04).
     supplied: bool,
@@ -124,6 +124,7 @@ impl FittedModules {
 
 #[cfg(test)]
 mod tests {
+    use super::super::start::tests::positions;
     use super::*;
     use profile::{ModuleFamily, ModuleKind};
 
@@ -131,16 +132,6 @@ mod tests {
         let mut module = ModuleType::new("TM3TEST", ModuleFamily::Tm3, ModuleKind::Digital);
         module.id = Some(id);
         Box::leak(Box::new(module))
-    }
-
-    /// Mandatory positions of these codes; those below 0 are optional.
-    fn positions(codes: &[i16]) -> Vec<ConfiguredPosition> {
-        let one = |(index, code): (usize, &i16)| ConfiguredPosition {
-            index,
-            id: u8::try_from(code.unsigned_abs()).unwrap(),
-            optional: *code < 0,
-        };
-        codes.iter().enumerate().map(one).collect()
     }
 
     fn fitted(codes: &[i16], local: usize, ids: &[u8]) -> FittedModules {

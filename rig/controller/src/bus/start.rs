@@ -96,12 +96,12 @@ pub fn compare_modules(
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use proptest::prelude::*;
 
     /// Positions from index 0 on, by ID code; a code below 0 is of an optional module.
-    fn positions(codes: &[i16]) -> Vec<ConfiguredPosition> {
+    pub(in crate::bus) fn positions(codes: &[i16]) -> Vec<ConfiguredPosition> {
         let one = |(index, code): (usize, &i16)| ConfiguredPosition {
             index,
             id: u8::try_from(code.unsigned_abs()).unwrap(),

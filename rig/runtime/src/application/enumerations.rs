@@ -8,7 +8,7 @@ use std::fmt::Write;
 /// The choices of TM3_BUS_W.q_wIOBusErrPassiv, which the controller of 2014 does not have (plcsystem:TM3V-06).
 const HANDLING: &str = "TM3_BUS_W_IOBUSERRMOD";
 
-/// A name and the number behind it.
+/// A name and its number.
 type EnumerationValue = (&'static str, u16);
 
 /// Each enumeration with its values.
