@@ -27,6 +27,11 @@ const MODULE_KEYS: &[KeySpec] = &[
         "Whether an analogue module has status bytes in %I; TRUE if left out.",
     ),
     KeySpec::optional("sampling", KeyType::Duration, "The time of a conversion for each channel in use."),
+    KeySpec::optional(
+        "always-update",
+        KeyType::Bool,
+        "In 2014: the bus cycle task exchanges all of its channels, used or not; FALSE if left out.",
+    ),
 ];
 
 /// A module: its reference alone, or a table.
@@ -49,6 +54,8 @@ pub struct ModuleSettings {
     pub status: bool,
     /// The time of a conversion, where the module has a choice.
     pub sampling: Option<Span>,
+    /// The bus cycle task exchanges all of its channels, whatever the controller's choice is (io:BUS-11).
+    pub always_update: bool,
     /// Its analogue inputs from the first on; none for one that is not used.
     pub inputs: Vec<Option<AnalogueInputSettings<'static>>>,
     /// Its analogue outputs from the first on; none for one that is not used.
@@ -78,6 +85,7 @@ fn module(node: &Node, out: &mut Findings) -> Option<ModuleSettings> {
         optional: false,
         status: true,
         sampling: None,
+        always_update: false,
         inputs: Vec::new(),
         outputs: Vec::new(),
         place: reference.span.clone(),
@@ -90,6 +98,7 @@ fn module(node: &Node, out: &mut Findings) -> Option<ModuleSettings> {
         }
         settings.optional = fields.boolean("optional").unwrap_or(false);
         settings.status = fields.boolean("status").unwrap_or(true);
+        settings.always_update = fields.boolean("always-update").unwrap_or(false);
         settings.sampling = analogue::sampling(fields, module, out);
         settings.inputs = analogue::inputs(fields, module, out);
         settings.outputs = analogue::outputs(fields, module, out);

@@ -94,6 +94,8 @@ struct Position {
     supplied: bool,
     module: Box<dyn BusModule>,
     exchange: Exchange,
+    /// The bus cycle task exchanges all of its channels (io:BUS-11).
+    always_update: bool,
 }
 
 impl Position {
@@ -168,6 +170,7 @@ impl ExpansionBus {
                 supplied: true,
                 module: model(first + place, configured, &addresses, config.worst_case),
                 exchange: Exchange::new(configured.module.family == ModuleFamily::Tm3),
+                always_update: configured.always_update,
             })
             .collect();
         let configured: Vec<ConfiguredPosition> = positions.iter().map(|it| it.configured).collect();
@@ -212,13 +215,17 @@ impl ExpansionBus {
     /// Learns which task of a new application uses which channels.
     pub(crate) fn share(&mut self, sharing: &Sharing<'_>) {
         let places = || self.positions.iter().flat_map(Position::places);
-        let of = |rank| SharedBytes::of(places(), |address| sharing.exchanges(rank, address));
+        let always: Vec<Address> =
+            self.positions.iter().filter(|it| it.always_update).flat_map(Position::places).collect();
+        let exchanges = |rank, at: Address| {
+            sharing.exchanges(rank, at) || Some(rank) == sharing.bus_cycle() && always.contains(&at)
+        };
+        let of = |rank| SharedBytes::of(places(), |at| exchanges(rank, at));
         self.shared = (0..sharing.tasks()).map(of).collect();
         let forced_with = |rank| {
             let outputs = places().filter(|at| at.area() == Area::Output);
             let written = |at| (0..sharing.tasks()).any(|other| sharing.writes(other, at));
-            let comes =
-                |at: &Address| sharing.writes(rank, *at) || sharing.exchanges(rank, *at) && !written(*at);
+            let comes = |at: &Address| sharing.writes(rank, *at) || exchanges(rank, *at) && !written(*at);
             outputs.filter(comes).collect()
         };
         self.forced_with = (0..sharing.tasks()).map(forced_with).collect();

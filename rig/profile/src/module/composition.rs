@@ -73,6 +73,8 @@ pub enum CompositionFault {
     NeverOptional,
     /// It is optional, and the profile has no optional modules (io: section 12 is of 2019 and later).
     NoOptionalModules(Profile),
+    /// All of its variables are to be updated, which is set for the controller as a whole in this profile (io:BUS-10).
+    NoUpdateOfOne(Profile),
     /// It and the module at this place are optional and of one internal ID code, and no mandatory one is between them
     /// (io:OPT-05).
     OptionalTwin {
@@ -111,6 +113,9 @@ impl fmt::Display for CompositionError {
             CompositionFault::NeverOptional => f.write_str("cannot be optional"),
             CompositionFault::NoOptionalModules(profile) => {
                 write!(f, "is optional, which profile {profile} does not know")
+            }
+            CompositionFault::NoUpdateOfOne(profile) => {
+                write!(f, "has `always-update` of its own, which profile {profile} does not know")
             }
             CompositionFault::OptionalTwin { other, id } => write!(
                 f,
@@ -159,6 +164,9 @@ pub fn check_modules(
         }
         if one.optional && !profile.has_optional_modules() {
             return fail(place, CompositionFault::NoOptionalModules(profile));
+        }
+        if one.always_update && profile != Profile::M241_2014 {
+            return fail(place, CompositionFault::NoUpdateOfOne(profile));
         }
     }
     check_link(modules)?;

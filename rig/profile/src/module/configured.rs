@@ -15,6 +15,8 @@ pub struct ConfiguredModule<'a> {
     pub status_enabled: bool,
     /// The parameter *Sampling*: the time of a conversion for each channel; none for the default of the module.
     pub sampling: Option<Span>,
+    /// "Update all variables" of the module alone: the bus cycle task exchanges all of its channels (io:BUS-11, 2014).
+    pub always_update: bool,
     /// Analogue inputs from the first on; none for one that is not used, as those beyond the list are.
     pub inputs: Vec<Option<AnalogueInputSettings<'a>>>,
     /// Analogue outputs from the first on; none for one that is not used, as those beyond the list are.
@@ -30,6 +32,7 @@ impl<'a> ConfiguredModule<'a> {
             optional: false,
             status_enabled: true,
             sampling: None,
+            always_update: false,
             inputs: Vec::new(),
             outputs: Vec::new(),
         }

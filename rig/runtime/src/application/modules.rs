@@ -29,7 +29,7 @@ pub(crate) fn configure(
     }
     if let Some(place) = modules.iter().position(|one| !is_module_modelled(one.module)) {
         let message = format!("the rig has no model of `{}` yet", modules[place].module.reference);
-        let help = "digital, analogue, safety and TM4 modules, TM3XTYS4, cartridges with known modes, transmitter and receiver have one: leave the module out";
+        let help = "leave the module out: all others of the catalogue have one";
         return Err(refused(place, codes::MODULE_NOT_MODELLED, message, help));
     }
     if let Err(full) = reference.module_addresses(&modules) {
@@ -51,6 +51,7 @@ pub(crate) fn configured(settings: &[ModuleSettings]) -> Vec<ConfiguredModule<'s
         optional: one.optional,
         status_enabled: one.status,
         sampling: one.sampling,
+        always_update: one.always_update,
         inputs: one.inputs.clone(),
         outputs: one.outputs.clone(),
     };
@@ -74,6 +75,9 @@ fn answer(error: &CompositionError) -> (&'static str, &'static str) {
         }
         CompositionFault::NeverOptional | CompositionFault::NoOptionalModules(_) => {
             (codes::MODULE_NEVER_OPTIONAL, "remove `optional = true`")
+        }
+        CompositionFault::NoUpdateOfOne(_) => {
+            (codes::CONFIGURATION_REFUSED, "remove it, and write `always-update` of the settings")
         }
         CompositionFault::OptionalTwin { .. } => {
             (codes::OPTIONAL_TWINS, "write a mandatory module between the two, or make one of them mandatory")
