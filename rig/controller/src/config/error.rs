@@ -64,7 +64,7 @@ pub enum ConfigError {
     #[error("{0}")]
     Module(CompositionError),
     /// A module that the rig has no model of yet.
-    #[error("module {} of the list has no model yet: digital and analogue TM3 and TM2 modules, cartridges with known modes, transmitter and receiver have one", place + 1)]
+    #[error("module {} of the list has no model yet", place + 1)]
     NoModuleModel {
         /// Its place in the list.
         place: usize,

@@ -24,12 +24,11 @@ use signal::Span;
 
 /// Whether there is a model of such a module. What a TM4 module carries has none: it is there, or not.
 pub fn is_module_modelled(module: &ModuleType) -> bool {
-    let channels = [&module.analogue_inputs, &module.analogue_outputs];
     match module.kind {
         ModuleKind::Transmitter | ModuleKind::Receiver => true,
         ModuleKind::Digital | ModuleKind::Safety => module.is_on_bus(),
-        // Of load cells nobody knows a mode.
-        ModuleKind::Analogue => channels.into_iter().flatten().any(|channels| !channels.modes.is_empty()),
+        // Load cells have their words, and no document has a mode of them: nobody can use such a channel.
+        ModuleKind::Analogue => true,
         ModuleKind::Expert => module.digital_inputs.is_some(),
         ModuleKind::Communication => module.family == ModuleFamily::Tm4,
     }
