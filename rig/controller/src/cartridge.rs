@@ -11,6 +11,8 @@ use signal::{Address, Time, Value};
 #[derive(Debug)]
 pub(crate) struct Cartridge {
     module: AnalogueModule,
+    /// It is in its slot: else its inputs are open, and nothing drives its outputs (io:CART-03).
+    fitted: bool,
     /// What it last read and was last written.
     image: VirtualImage,
     /// What each task exchanges, by rank.
@@ -20,15 +22,16 @@ pub(crate) struct Cartridge {
 }
 
 impl Cartridge {
-    /// The cartridge as it is configured, at these places of the images.
+    /// The cartridge as it is configured, at these places of the images; `fitted` where it is in its slot.
     pub(crate) fn new(
         configured: &ConfiguredModule<'_>,
         addresses: &ModuleAddresses,
         profile: Profile,
+        fitted: bool,
     ) -> Cartridge {
         let module = AnalogueModule::new(configured, addresses);
         let all = SharedBytes::of(module.places(), |_| true);
-        Cartridge { module, image: VirtualImage::new(profile), shared: Vec::new(), all }
+        Cartridge { module, fitted, image: VirtualImage::new(profile), shared: Vec::new(), all }
     }
 
     fn shared(&self, cycle: ExchangeCycle) -> &SharedBytes {
@@ -42,7 +45,9 @@ impl IoModule for Cartridge {
     }
 
     fn power_on(&mut self, now: Time) {
-        self.module.power_on(now);
+        if self.fitted {
+            self.module.power_on(now);
+        }
     }
 
     fn power_off(&mut self, now: Time) {
@@ -50,7 +55,9 @@ impl IoModule for Cartridge {
     }
 
     fn set_input(&mut self, now: Time, input: usize, value: Value) {
-        self.module.set_input(now, input, value);
+        if self.fitted {
+            self.module.set_input(now, input, value);
+        }
     }
 
     fn initialize(&mut self, now: Time) {
@@ -79,14 +86,18 @@ impl TaskModule for Cartridge {
     }
 
     fn sample(&mut self, now: Time, cycle: ExchangeCycle, memory: &mut Memory) -> bool {
-        self.module.read(now, &mut self.image.inputs);
+        if self.fitted {
+            self.module.read(now, &mut self.image.inputs);
+        }
         self.image.to_inputs(self.shared(cycle), memory)
     }
 
     fn drive(&mut self, now: Time, cycle: ExchangeCycle, memory: &mut Memory) -> Written {
         let shared = cycle.rank.and_then(|rank| self.shared.get(rank)).unwrap_or(&self.all);
         self.image.take_outputs(shared, memory);
-        self.module.write(now, &self.image.outputs, memory);
+        if self.fitted {
+            self.module.write(now, &self.image.outputs, memory);
+        }
         Written::default()
     }
 

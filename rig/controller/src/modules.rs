@@ -6,7 +6,7 @@ use crate::config::{Config, OutputsInStop};
 use crate::memory::Memory;
 use crate::module::{IoModule, ModuleChannel, TaskModule};
 use crate::state::State;
-use profile::{IoChannel, IoStatus, ModuleFamily, ModuleType};
+use profile::{IoChannel, IoStatus, ModuleFamily};
 use signal::{Cause, Time};
 
 /// Which outputs of modules take their default values when initialization values are over (controller:OUT-05, controller:OUT-06).
@@ -44,17 +44,15 @@ impl Modules {
         let cartridges =
             config.modules.iter().zip(&places).filter(|(one, _)| one.module.family == ModuleFamily::Tmc4);
         let mut list: Vec<Box<dyn TaskModule>> = Vec::new();
+        let mut fitted = config.fitted_in(ModuleFamily::Tmc4);
         for (configured, addresses) in cartridges {
-            list.push(Box::new(Cartridge::new(configured, addresses, config.profile)));
+            let is_fitted = config.fitted.is_none()
+                || fitted.next().is_some_and(|module| module.reference == configured.module.reference);
+            list.push(Box::new(Cartridge::new(configured, addresses, config.profile, is_fitted)));
         }
         list.extend(others);
         let bus = ExpansionBus::new(config, 1 + list.len());
-        let tm4 = |module: &&ModuleType| module.family == ModuleFamily::Tm4;
-        let configured = config.modules.iter().map(|one| one.module).filter(tm4);
-        let tm4_differs = config.fitted.as_ref().is_some_and(|fitted| {
-            let references = |module: &'static ModuleType| module.reference.as_str();
-            !configured.map(references).eq(fitted.iter().copied().filter(tm4).map(references))
-        });
+        let tm4_differs = config.differs_in(ModuleFamily::Tm4);
         Modules {
             list,
             bus,

@@ -125,7 +125,9 @@ pub(crate) struct ExpansionBus {
     /// In the order of the configuration.
     positions: Vec<Position>,
     fitted: FittedModules,
-    /// Modules were left over when the bus was started last.
+    /// The fitted cartridges are not those of the configuration, which keeps the bus off (io:CART-03).
+    cartridges_differ: bool,
+    /// Modules were left over when the bus was started last, or cartridges differed.
     extra: bool,
     image: VirtualImage,
     /// What each task exchanges with the virtual image, by rank.
@@ -187,6 +189,7 @@ impl ExpansionBus {
         ExpansionBus {
             positions,
             fitted,
+            cartridges_differ: config.differs_in(ModuleFamily::Tmc4),
             extra: false,
             image: VirtualImage::new(config.profile),
             shared: Vec::new(),
@@ -233,7 +236,8 @@ impl ExpansionBus {
     }
 
     /// The bus starts with an application: after a boot, a download or a reset (io:OPT-02, io:ERR-07). It stays off where a
-    /// mandatory module does not answer, another one than the configured one does, modules are left over, or it has no supply.
+    /// mandatory module does not answer, another one than the configured one does, modules are left over, it has no supply, or
+    /// cartridges differ: from that it starts only with what is configured (io:CART-03).
     pub(crate) fn start(&mut self, now: Time) {
         let configured: Vec<ConfiguredPosition> =
             self.positions.iter().map(|position| position.configured).collect();
@@ -254,12 +258,16 @@ impl ExpansionBus {
                 position.module.clear(now);
             }
         }
-        let supplied = self.fitted.has_supply();
-        self.start_state = if supplied { start.state } else { Tm3BusState::PowerSupplyError };
-        (self.extra, self.changed) = (start.extra > 0, true);
+        let differs = self.cartridges_differ;
+        self.start_state = match self.fitted.has_supply() {
+            false => Tm3BusState::PowerSupplyError,
+            true if differs => Tm3BusState::ConfigurationError,
+            true => start.state,
+        };
+        (self.extra, self.changed) = (start.extra > 0 || differs, true);
         self.follow(now);
         self.is_off = false;
-        if self.active && self.start_state != Tm3BusState::Ok {
+        if (self.active || differs) && self.start_state != Tm3BusState::Ok {
             self.switch_off(now);
         }
     }

@@ -247,6 +247,19 @@ impl Config {
     }
 
     /// Whether the modules can be configured so (io: sections 9, 10 and 12).
+    /// The fitted modules of a family, in their order; none where those are fitted that are configured.
+    pub(crate) fn fitted_in(&self, family: ModuleFamily) -> impl Iterator<Item = &'static ModuleType> {
+        self.fitted.iter().flatten().copied().filter(move |module| module.family == family)
+    }
+
+    /// Whether the fitted modules of a family are not those of the configuration, by their references.
+    pub(crate) fn differs_in(&self, family: ModuleFamily) -> bool {
+        let configured = self.modules.iter().filter(|one| one.module.family == family);
+        let references = configured.map(|one| one.module.reference.as_str());
+        self.fitted.is_some()
+            && !references.eq(self.fitted_in(family).map(|module| module.reference.as_str()))
+    }
+
     fn check_modules(&self) -> Result<(), ConfigError> {
         profile::check_modules(self.profile, self.reference, &self.modules).map_err(ConfigError::Module)?;
         if let Some(place) = self.modules.iter().position(|one| !is_module_modelled(one.module)) {
