@@ -80,6 +80,9 @@ fn what_cannot_be_is_refused_before_anything_moves() {
     refused(&["write", "state=RUNNNING"], &["R0649", "RUNNING"]);
     refused(&["write", "MAIN.cuont=3"], &["R0601", "MAIN.count"]);
     refused(&["write", "MAIN.count=40000"], &["R0603", "32767"]);
+    refused(&["write", "%MW300=70000"], &["R0603", "from -32768 to 65535"]);
+    refused(&["write", "%MW300=TRUE"], &["R0603", "from -32768 to 65535"]);
+    refused(&["force", "Q0=2"], &["R0603", "TRUE or FALSE"]);
     refused(&["force", "MAIN.part=1"], &["R0605"]);
     refused(&["await", "state"], &["R0649", "state=RUNNING"]);
     refused(&["watch", "nothing"], &["R0601", "rig ctl list"]);

@@ -20,6 +20,17 @@ pub enum SystemType {
 }
 
 impl SystemType {
+    /// Bits of a value.
+    pub const fn bits(self) -> u32 {
+        match self {
+            SystemType::Bool => 1,
+            SystemType::Byte => 8,
+            SystemType::Word | SystemType::Uint => 16,
+            SystemType::Dword => 32,
+            SystemType::Lword => 64,
+        }
+    }
+
     /// The name in Structured Text.
     pub const fn name(self) -> &'static str {
         match self {

@@ -4,6 +4,7 @@ use crate::application::functions;
 use crate::application::inputs;
 use crate::application::observable::Observable;
 use crate::application::variable_numbers::VariableNumbers;
+use crate::application::taken_values::TakenValues;
 use controller::{Config, Led, Probe, SystemType, SystemVariable, TaskConfig};
 use expert::ExpertConfig;
 use profile::{ConfiguredModule, IoChannel, Profile, Reference, module_indices};
@@ -21,7 +22,7 @@ pub struct Catalogue {
     profile: Profile,
     /// The indices of the expansion modules that are configured.
     modules: Vec<usize>,
-    /// Each of them.
+    /// All modules of the configuration, in its order.
     configured: Vec<ConfiguredModule<'static>>,
     /// The places of their channels in %I and %Q.
     module_channels: Vec<Address>,
@@ -193,24 +194,27 @@ impl Catalogue {
         if variables.all(|other| other.ty == first) { of(first) } else { None }
     }
 
-    /// The type of a variable; `None` where it is none, or of several types in several programs.
-    pub fn type_of(&self, name: &str) -> Option<Elementary> {
+    /// Which values a variable, a system variable or a place takes that is written. `None` for what is none of them, and for a
+    /// variable of several types in several programs.
+    pub fn taken(&self, name: &str) -> Option<TakenValues> {
+        if let Some(variable) = self.system_variable(name) {
+            return Some(match variable.ty() {
+                SystemType::Bool => TakenValues::Level,
+                ty => TakenValues::Whole(0, (1 << ty.bits()) - 1),
+            });
+        }
+        if name.starts_with('%') {
+            return Address::parse(name).ok().map(TakenValues::of_place);
+        }
         let mut variables = self.programs.iter().filter_map(|program| program.find(name));
         let first = variables.next()?.ty;
-        variables.all(|other| other.ty == first).then_some(first)
+        variables.all(|other| other.ty == first).then(|| TakenValues::of_type(first))
     }
 
     /// The least and the greatest value that a whole number can have; `None` for times, real numbers and what is not known.
     pub fn bounds(&self, name: &str) -> Option<(i128, i128)> {
         if let Some(variable) = self.system_variable(name) {
-            let bits = match variable.ty() {
-                SystemType::Bool => 1,
-                SystemType::Byte => 8,
-                SystemType::Word | SystemType::Uint => 16,
-                SystemType::Dword => 32,
-                SystemType::Lword => 64,
-            };
-            return Some((0, (1 << bits) - 1));
+            return Some((0, (1 << variable.ty().bits()) - 1));
         }
         if indicator(name, self.reference.output_count()).is_some()
             || inputs::observable(name, self.reference.input_count()).is_some()

@@ -14,6 +14,7 @@ pub mod store;
 pub(crate) mod system_variables;
 pub mod tasks;
 pub mod variable_numbers;
+pub mod taken_values;
 
 use crate::application::bundle::Bundle;
 use crate::application::coverage::Collector;

@@ -1,6 +1,7 @@
 //! What a bench shows of a case before anything moves: values that its signals cannot have, signals that nothing can
 //! move, needs that it does not meet.
 
+use crate::application::taken_values::TakenValues;
 use crate::case::needs::{Unmet, unmet};
 use crate::codes;
 use crate::generator::StimulusGenerator;
@@ -66,7 +67,7 @@ pub(crate) fn claims(looked: &CaseOnBench<'_>) -> Vec<Diagnostic> {
         };
         found.push(at(one, looked, expectation));
     }
-    found.extend(case.steps.iter().filter_map(|step| looked.beyond_type(step)));
+    found.extend(case.steps.iter().filter_map(|step| looked.beyond_target(step)));
     found.extend(looked.faults_in_worst_case());
     for (step, planned) in case.steps.iter().zip(&looked.prepared.steps) {
         let Timing::When { signal, .. } = &planned.timing else { continue };
@@ -183,25 +184,21 @@ impl CaseOnBench<'_> {
         })
     }
 
-    /// A step that writes a number which its variable's type does not hold: it would be cut without a word
+    /// A step that writes a value which its variable or place does not take: it would be cut without a word
     /// (controller:DT-01).
-    fn beyond_type(&self, step: &PlanStep) -> Option<Diagnostic> {
+    fn beyond_target(&self, step: &PlanStep) -> Option<Diagnostic> {
         let Stimulus::Write { of, value: Literal::Value(value) } = &step.stimulus else { return None };
-        let SignalSource::Path(path) = &self.binding(of)?.source else { return None };
-        let ty = self.subject.catalogue()?.type_of(path)?;
-        let help = if ty.is_integer() {
-            let (low, high) = ty.range();
-            let number = value.as_int()?;
-            (number < low || number > high).then(|| format!("{} takes {low} to {high}", ty.name()))?
-        } else if ty.is_real() {
-            let is_held = ty.holds_real(value.as_real()?);
-            let (least, most) = ty.magnitudes();
-            (!is_held).then(|| format!("{} takes 0 and magnitudes from {least} to {most}", ty.name()))?
-        } else {
-            return None;
+        let taken = match &self.binding(of)?.source {
+            SignalSource::Path(path) => self.subject.catalogue()?.taken(path)?,
+            SignalSource::Image(address) | SignalSource::Memory(address) => TakenValues::of_place(*address),
+            SignalSource::Register { exception: false, .. } => TakenValues::WORD,
+            _ => return None,
         };
-        let message = format!("`{path}` cannot have the value that the step `{}` writes", step.id);
-        let found = Diagnostic::error(codes::VALUE_MISFIT, message).help(help);
+        if taken.takes(*value) {
+            return None;
+        }
+        let message = format!("`{of}` cannot have the value that the step `{}` writes", step.id);
+        let found = Diagnostic::error(codes::VALUE_MISFIT, message).help(format!("it takes {taken}"));
         Some(found.at(&self.files.plan.name, step.span.clone(), ""))
     }
 

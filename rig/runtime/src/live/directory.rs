@@ -3,12 +3,13 @@
 use super::fault;
 use crate::application::catalogue::Catalogue;
 use crate::application::observable::Observable;
+use crate::application::taken_values::TakenValues;
 use crate::prepare::state_labels;
 use crate::scan_port::ObservedSource;
 use control::{RequestFault, Signal, SignalKind};
 use controller::Probe;
 use drivers::{BoardFile, Channel, ChannelId, ChannelKind};
-use signal::{Address, AddressLimits, Area, Span, Value, ValueKind};
+use signal::{Address, AddressLimits, Area, Value, ValueKind};
 use std::collections::BTreeMap;
 
 /// Names that can be reported of one program: a description stays short enough to be sent.
@@ -175,37 +176,30 @@ impl Directory {
         if !known.writable {
             return Err(fault::not_written(&known.name));
         }
-        let whole =
-            |value: Value| value.as_int().ok_or_else(|| fault::bad_value(&known.name, "a whole number"));
-        let fitting = match known.kind {
-            SignalKind::Bool => {
-                let number = whole(value).map_err(|_| fault::bad_value(&known.name, "TRUE or FALSE"))?;
-                match number {
-                    0 => Value::Bool(false),
-                    1 => Value::Bool(true),
-                    _ => return Err(fault::bad_value(&known.name, "TRUE or FALSE")),
-                }
-            }
-            SignalKind::Real => {
-                let number = value.as_real().ok_or_else(|| fault::bad_value(&known.name, "a number"))?;
-                Value::Real(number)
-            }
-            SignalKind::Int | SignalKind::Word | SignalKind::State => {
-                let number = whole(value)?;
-                let bounds = self.catalogue.bounds(&known.name);
-                if let Some((low, high)) = bounds.filter(|(low, high)| number < *low || number > *high) {
-                    return Err(fault::bad_value(&known.name, &format!("a number from {low} to {high}")));
-                }
-                if let Some((low, high)) = self.catalogue.times(&known.name)
-                    && !(i128::from(low)..=i128::from(high)).contains(&number)
-                {
-                    let (low, high) = (Span::from_nanos(low), Span::from_nanos(high));
-                    return Err(fault::bad_value(&known.name, &format!("a time from {low} to {high}")));
-                }
-                value
-            }
+        let taken = self.taken(signal, known);
+        if !taken.takes(value) {
+            return Err(fault::bad_value(&known.name, &taken.to_string()));
+        }
+        Ok(match known.kind {
+            SignalKind::Bool => Value::Bool(value.as_bool() == Some(true)),
+            SignalKind::Real => value.as_real().map_or(value, Value::Real),
+            SignalKind::Int | SignalKind::Word | SignalKind::State => value,
+        })
+    }
+
+    /// Which values a signal takes: those of its type or place, and of a line or of a variable of several types those of its kind.
+    fn taken(&self, signal: u32, known: &Signal) -> TakenValues {
+        let of_name = match self.source(signal) {
+            Some((_, ObservedSource::Inside(_))) => self.catalogue.taken(&known.name),
+            _ => None,
         };
-        Ok(fitting)
+        of_name.unwrap_or(match known.kind {
+            SignalKind::Bool => TakenValues::Level,
+            SignalKind::Real => TakenValues::Number,
+            SignalKind::Int | SignalKind::Word | SignalKind::State => {
+                TakenValues::Whole(i128::from(i64::MIN), i128::from(u64::MAX))
+            }
+        })
     }
 
     fn meaning(&self, name: &str) -> Result<(ObservedSource, Signal), RequestFault> {

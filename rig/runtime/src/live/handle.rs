@@ -6,13 +6,14 @@ use super::fault;
 use super::plan_reading::{PlanReadings, PlanRequest, PlansRead};
 use super::plans::{PlanBench, PlanSlot};
 use super::status::StatusSource;
+use crate::application::taken_values::TakenValues;
 use crate::scan_port::{HandleEnd, OrderOutcome, ScanCommand, ScanEvent, ScanRequest};
 use control::{
     Description, FrameSeen, Greeting, PROTOCOL, PlanEvent, PlanStatus, RequestFault, Signal, Status,
 };
 use host::Bell;
 use services::control::{Answer, MOST_ORDERS, Rig, RigEvent, RigOrder, Ticket};
-use signal::{Size, Value, When};
+use signal::{Value, When};
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
 
@@ -157,16 +158,10 @@ impl LiveRig {
             }
             RigOrder::Force(signal, value) => {
                 let (address, name) = terminal(signal)?;
-                let fits = |value: &i128| match address.size() {
-                    Size::Bit => (0..=1).contains(value),
-                    _ => (i128::from(i16::MIN)..=i128::from(u16::MAX)).contains(value),
-                };
-                let expected = match address.size() {
-                    Size::Bit => "TRUE or FALSE",
-                    _ => "a whole number from -32768 to 65535",
-                };
-                let value = value.as_int().filter(fits).ok_or_else(|| fault::bad_value(name, expected))?;
-                ScanCommand::Force(address, u64::from(value as u16))
+                let taken = TakenValues::of_place(address);
+                let forced = taken.forced(value);
+                let value = forced.ok_or_else(|| fault::bad_value(name, &taken.to_string()))?;
+                ScanCommand::Force(address, value)
             }
             RigOrder::Release(signal) => ScanCommand::Release(terminal(signal)?.0),
             RigOrder::ReleaseAll => ScanCommand::ReleaseAll,

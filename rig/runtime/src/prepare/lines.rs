@@ -102,6 +102,9 @@ pub(super) fn forced_place(
 
 /// A written value as a channel takes it, if it does.
 fn value_on(literal: &Literal, channel: &Channel) -> Option<Value> {
+    if !channel.is_digital() && matches!(literal, Literal::Value(Value::Bool(_))) {
+        return None;
+    }
     match (plans::value_of(literal, &channel_info(&channel.name, channel)).ok()?, channel.is_digital()) {
         (Value::HighZ, _) => Some(Value::HighZ),
         (value, true) => match value.as_int() {
@@ -140,12 +143,12 @@ pub(super) fn value_for(
     let value = value_on(literal, channel);
     if value.is_none() {
         let help = if channel.is_digital() {
-            String::from("a level is TRUE or FALSE")
+            String::from("it takes TRUE or FALSE")
         } else {
-            format!(
-                "a number, or a quantity in {}",
-                if channel.unit().is_empty() { "no unit" } else { channel.unit() }
-            )
+            match channel.unit() {
+                "" => String::from("it takes a number without a unit"),
+                unit => format!("it takes a number in {unit}, as in \"1.5 {unit}\""),
+            }
         };
         out.error(
             codes::VALUE_MISFIT,

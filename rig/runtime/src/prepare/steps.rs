@@ -5,6 +5,7 @@ use super::lines::{driven, fault_kind, forced_place, line, of_controller, value_
 use super::meaning::{NameMeaning, SignalMeanings, known_tasks, suggestion};
 use super::waves::generator;
 use crate::application::catalogue::Catalogue;
+use crate::application::taken_values::TakenValues;
 use crate::codes;
 use crate::schedule::{Act, Expected, FileAction, PlannedStep, Timing};
 use crate::subject::SubjectExt;
@@ -15,7 +16,7 @@ use plans::lang::Literal;
 use plans::steps::{AwaitedChange, ProgramRef, StepCondition, Stimulus};
 use plans::{PlanStep, StepTime};
 use profile::IoChannel;
-use signal::{Address, SignalId, SignalInfo, Size, Span, Trace, Value, ValueKind};
+use signal::{Address, SignalId, SignalInfo, Span, Trace, Value, ValueKind};
 
 pub(super) fn plan_step(
     step: &PlanStep,
@@ -62,15 +63,13 @@ pub(super) fn plan_step(
         }
         Stimulus::Force { signal, value } => {
             let address = forced_place(signal, names, bench, step, out)?;
-            let Some(value) = forced_value(address, value) else {
-                let message = match address.size() {
-                    Size::Bit => "a terminal is forced to TRUE or FALSE",
-                    _ => "an analogue terminal is forced to a whole number of counts, from -32768 to 65535",
-                };
-                out.error(codes::VALUE_MISFIT, step.span.clone(), message, "");
+            let Some(forced) = forced_value(address, value) else {
+                let message = format!("`{signal}` cannot be forced to {}", plans::show_literal(value));
+                let help = format!("it takes {}", TakenValues::of_place(address));
+                out.error(codes::VALUE_MISFIT, step.span.clone(), message, help);
                 return None;
             };
-            vec![(Span::ZERO, Act::Command(Command::Force { address, value }, expected(step)))]
+            vec![(Span::ZERO, Act::Command(Command::Force { address, value: forced }, expected(step)))]
         }
         Stimulus::Release { signal } => {
             let address = forced_place(signal, names, bench, step, out)?;
@@ -103,7 +102,10 @@ pub(super) fn plan_step(
             };
             let Literal::Value(value) = value else {
                 let plain = value.quantity().is_some_and(|quantity| quantity.unit.is_none());
-                let help = if plain { "a number that is written has at most 64 bits" } else { "" };
+                let help = match plain {
+                    true => "a number that is written has at most 64 bits",
+                    false => "write TRUE, FALSE or a number without a unit; a time as its nanoseconds",
+                };
                 let message = match plain {
                     true => format!("{value} does not fit into `{of}`"),
                     false => format!("`{of}` takes a plain number"),
@@ -366,21 +368,8 @@ fn awaited(
     change
 }
 
-/// What a place of %I or %Q is forced to.
+/// What a place of %I or %Q is forced to, as it lies there; `None` for what it does not take.
 fn forced_value(address: Address, literal: &Literal) -> Option<u64> {
-    if address.size() == Size::Bit {
-        return boolean(literal).map(u64::from);
-    }
     let Literal::Value(value) = literal else { return None };
-    let counts = value.as_int()?;
-    // A word has the bits of a signed number as well as of an unsigned one.
-    let word = u16::try_from(counts).or_else(|_| i16::try_from(counts).map(i16::cast_unsigned));
-    word.ok().map(u64::from)
-}
-
-fn boolean(literal: &Literal) -> Option<bool> {
-    match literal {
-        Literal::Value(value) => value.as_bool(),
-        _ => None,
-    }
+    TakenValues::of_place(address).forced(*value)
 }

@@ -95,6 +95,12 @@ fn what_cannot_be_is_refused_with_a_code_and_a_mend() {
             ("MAIN.count", Value::Int(100_000), "R0603"),
             ("MAIN.count", Value::Real(0.5), "R0603"),
             ("MAIN.tick.Q", Value::Int(2), "R0603"),
+            ("MAIN.level", Value::Bool(true), "R0603"),
+            ("MAIN.level", Value::Real(f64::NAN), "R0603"),
+            ("%MW3", Value::Int(70_000), "R0603"),
+            ("%MW3", Value::Int(-40_000), "R0603"),
+            ("%MW3", Value::Bool(true), "R0603"),
+            ("%MX8.0", Value::Int(2), "R0603"),
             ("PLC_R.i_wStatus", Value::Int(1), "R0602"),
             ("signal", Value::Bool(true), "R0602"),
             ("state", Value::Int(1), "R0602"),
@@ -102,6 +108,9 @@ fn what_cannot_be_is_refused_with_a_code_and_a_mend() {
             assert_eq!(bench.write(name, value).unwrap_err().code, code, "{name}");
         }
         assert_eq!(bench.force("MAIN.count", true).unwrap_err().code, "R0605");
+        // Bits have no sign: a word takes the numbers of an INT and those of a UINT.
+        bench.write("%MW3", Value::Int(-2)).unwrap();
+        assert_eq!(bench.read("%MW3"), Value::Int(65_534));
         // Elements of arrays are found though nobody lists them.
         bench.write("MAIN.list[2]", Value::Int(7)).unwrap();
         assert_eq!(bench.read("MAIN.list[2]"), Value::Int(7));
