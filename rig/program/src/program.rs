@@ -100,6 +100,19 @@ impl Located {
     }
 }
 
+/// A place of %I or %Q that the user's sources name, in a declaration or in an expression.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ImagePlace {
+    /// Where it begins.
+    pub address: Address,
+    /// Bits that are used from there on.
+    pub bits: u32,
+    /// Place of the source file that names it first.
+    pub file: u16,
+    /// Bytes of the address in that file.
+    pub span: Range<usize>,
+}
+
 /// A task that the sources configure (CONFIGURATION).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ConfiguredTask {
@@ -171,6 +184,8 @@ pub struct Program {
     pub(crate) roots: Vec<Root>,
     pub(crate) shapes: Vec<MemoryLayout>,
     pub(crate) tasks: Vec<ConfiguredTask>,
+    /// Places of %I and %Q by their addresses: no part of what the program does.
+    pub(crate) images: Vec<ImagePlace>,
     /// Source file and bytes of the first LREAL: no part of what the program does.
     pub(crate) lreal: Option<(u16, std::ops::Range<usize>)>,
     /// What [`Program::variables`] lists: derived.
@@ -195,6 +210,11 @@ impl Program {
     /// (controller:DT-04): the source file's place and bytes of its text.
     pub fn lreal(&self) -> Option<(u16, std::ops::Range<usize>)> {
         self.lreal.clone()
+    }
+
+    /// The places of %I and %Q that the user's sources name, in the order of their addresses, each with where it is named first.
+    pub fn images(&self) -> &[ImagePlace] {
+        &self.images
     }
 
     /// Names of the PROGRAMs in the order of the sources. A place in this list is what [`crate::Machine::new`] takes.

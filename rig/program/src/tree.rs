@@ -4,7 +4,7 @@
 
 use crate::findings::SourcePlace;
 use crate::native::Native;
-use crate::program::{ConfiguredTask, Located, Retained};
+use crate::program::{ConfiguredTask, ImagePlace, Located, Retained};
 use crate::shape::MemoryLayout;
 use crate::types::Elementary;
 
@@ -74,6 +74,8 @@ pub(crate) struct Tree {
     pub roots: Vec<crate::shape::Root>,
     pub shapes: Vec<MemoryLayout>,
     pub tasks: Vec<ConfiguredTask>,
+    /// Places of %I and %Q that the user's sources name.
+    pub images: Vec<ImagePlace>,
     /// Source file and bytes of the first LREAL.
     pub lreal: Option<(u16, std::ops::Range<usize>)>,
 }

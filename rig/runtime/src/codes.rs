@@ -123,6 +123,8 @@ pub const IMAGE_FULL: &str = "R0262";
 pub const MODULE_NOT_MODELLED: &str = "R0263";
 /// A module that is not configured.
 pub const NO_MODULE: &str = "R0264";
+/// A place of the images where nothing is.
+pub const PLACE_OF_NOTHING: &str = "R0265";
 /// A frame that its bus cannot carry.
 pub const FRAME_NOT_CARRIED: &str = "R0270";
 /// A port that the controller of a case lacks.
@@ -305,6 +307,7 @@ pub const CODES: &[(&str, &str)] = &[
     (IMAGE_FULL, "Modules that the images have no room for"),
     (MODULE_NOT_MODELLED, "A module that has no model yet"),
     (NO_MODULE, "A module that is not configured"),
+    (PLACE_OF_NOTHING, "A place of the images where nothing is"),
     (FRAME_NOT_CARRIED, "A frame that its bus cannot carry"),
     (PORT_MISSING, "A port that the controller of a case lacks"),
     (NO_BUS, "A bus that the plan's board does not have"),

@@ -133,6 +133,7 @@ pub(crate) fn emit(
         roots: tree.roots,
         shapes: tree.shapes,
         tasks: tree.tasks,
+        images: tree.images,
         lreal: tree.lreal,
         variables: Vec::new(),
         index: BTreeMap::new(),

@@ -475,6 +475,7 @@ impl<'a> Sema<'a> {
         let bits = place.size().bits();
         let mask = if bits >= 64 { u64::MAX } else { (1 << bits) - 1 };
         let initial = initial.map(|cell| cell as u64 & mask);
+        self.note_image(place, bits, *at);
         self.located.push(Located { address: place, bits, initial });
         home_of(place)
     }
@@ -512,6 +513,7 @@ impl<'a> Sema<'a> {
                 "assign the values in the program",
             );
         }
+        self.note_image(place, layout.size * 8, at);
         self.located.push(Located { address: place, bits: layout.size * 8, initial: None });
         home_of(place)
     }

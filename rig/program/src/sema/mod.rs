@@ -35,13 +35,14 @@ use crate::findings::{CompileFindings, SourcePlace};
 use crate::options::Options;
 use crate::parse::NameTable;
 use crate::parse::ast::{self, Key, Name, SectionKind};
-use crate::program::{Located, Retained};
+use crate::program::{ImagePlace, Located, Retained};
 use crate::shape::{MemoryLayout, Root, ShapeId};
 use crate::tree::{Tree, UnitTree};
 use crate::types::Elementary;
 use document::SourceFile;
 use scope::{Callable, Pou, ScopeContext, ScopeSymbol};
-use std::collections::HashMap;
+use signal::Address;
+use std::collections::{BTreeMap, HashMap};
 use std::hash::{BuildHasherDefault, Hasher};
 use types::{Enumeration, Structure, Type, TypeId, WRONG};
 
@@ -161,6 +162,8 @@ struct Sema<'a> {
     shape_index: HashMap<TypeId, ShapeId>,
     context: ScopeContext,
     /// The first LREAL of the sources.
+    /// Places of %I and %Q, each with its bits and where it is named first.
+    image_places: BTreeMap<(Address, u32), SourcePlace>,
     lreal: Option<SourcePlace>,
     /// Where the image stands whose initial values are being written.
     base: late::LateBase,
@@ -216,6 +219,7 @@ pub(crate) fn check<'a>(
         shapes: Vec::new(),
         shape_index: HashMap::new(),
         context: ScopeContext::default(),
+        image_places: BTreeMap::new(),
         lreal: None,
         base: late::LateBase::None,
         late: Vec::new(),
@@ -335,6 +339,7 @@ impl<'a> Sema<'a> {
             roots: std::mem::take(&mut self.roots),
             shapes: std::mem::take(&mut self.shapes),
             tasks,
+            images: std::mem::take(&mut self.image_places).into_iter().map(image_place).collect(),
             lreal: self.lreal.map(|at| (at.file, at.start as usize..at.end as usize)),
         }
     }
@@ -381,6 +386,11 @@ impl Sema<'_> {
         );
         false
     }
+}
+
+/// A place of the images as the program lists it.
+fn image_place(((address, bits), at): ((Address, u32), SourcePlace)) -> ImagePlace {
+    ImagePlace { address, bits, file: at.file, span: at.start as usize..at.end as usize }
 }
 
 /// Whether a section's variables are seen from outside of the block.

@@ -11,7 +11,7 @@ use crate::parse::ast::{self, Key, Name};
 use crate::program::Retention;
 use crate::tree::{self, Expr, ExprKind, Target, TreePlace, Ty};
 use crate::types::Elementary;
-use signal::Area;
+use signal::{Address, Area};
 
 /// How an object is reached.
 #[derive(Clone, Debug)]
@@ -472,8 +472,19 @@ impl<'a> Sema<'a> {
         block
     }
 
+    /// Keeps where the user's sources name a place of %I or %Q first.
+    pub(super) fn note_image(&mut self, address: Address, bits: u32, at: SourcePlace) {
+        if matches!(address.area(), Area::Input | Area::Output) && usize::from(at.file) < self.own {
+            let first = self.image_places.entry((address, bits)).or_insert(at);
+            if (at.file, at.start) < (first.file, first.start) {
+                *first = at;
+            }
+        }
+    }
+
     fn direct(&mut self, text: &str, at: SourcePlace) -> PathMeaning {
         let Some(address) = self.address(text, at) else { return PathMeaning::Wrong };
+        self.note_image(address, address.size().bits(), at);
         let scalar = Elementary::of_size(address.size());
         let ty = self.elementary(scalar);
         let fixed = (address.area() == Area::Input).then_some("inputs are read only");

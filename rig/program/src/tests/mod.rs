@@ -1,5 +1,6 @@
 //! Programs made by hand, and a host, for the tests of the machine.
 
+mod images;
 mod kept;
 mod looks;
 mod operators;
@@ -63,6 +64,7 @@ impl Default for Builder {
             roots: Vec::new(),
             shapes: Vec::new(),
             tasks: Vec::new(),
+            images: Vec::new(),
             lreal: None,
             variables: Vec::new(),
             index: Default::default(),

@@ -2,9 +2,10 @@
 
 use crate::application::functions;
 use crate::application::inputs;
+use crate::application::module_terminals::ModuleTerminals;
 use crate::application::observable::Observable;
-use crate::application::variable_numbers::VariableNumbers;
 use crate::application::taken_values::TakenValues;
+use crate::application::variable_numbers::VariableNumbers;
 use controller::{Config, Led, Probe, SystemType, SystemVariable, TaskConfig};
 use expert::ExpertConfig;
 use profile::{ConfiguredModule, IoChannel, Profile, Reference, module_indices};
@@ -48,7 +49,7 @@ impl Catalogue {
             names: Some(names),
             profile: config.profile,
             modules: module_indices(&config.modules).into_iter().flatten().collect(),
-            configured: config.modules.iter().filter(|one| one.module.is_on_bus()).cloned().collect(),
+            configured: config.modules.clone(),
             module_channels: module_channels(config),
             reference: config.reference,
             functions: config.expert.clone(),
@@ -69,7 +70,13 @@ impl Catalogue {
 
     /// The expansion modules on the bus with their indices in TM3_MODULE_R.
     pub fn modules(&self) -> impl Iterator<Item = (usize, &ConfiguredModule<'static>)> {
-        self.modules.iter().copied().zip(&self.configured)
+        let on_bus = self.configured.iter().filter(|one| one.module.is_on_bus());
+        self.modules.iter().copied().zip(on_bus)
+    }
+
+    /// The terminals of the modules.
+    pub fn module_terminals(&self) -> ModuleTerminals<'_> {
+        ModuleTerminals::new(self.reference, &self.configured)
     }
 
     /// Whether an input or output of the controller is at this place.

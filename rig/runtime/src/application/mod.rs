@@ -7,14 +7,16 @@ pub mod catalogue;
 pub mod coverage;
 mod enumerations;
 pub mod functions;
+pub(crate) mod image_places;
 pub(crate) mod inputs;
+pub mod module_terminals;
 pub(crate) mod modules;
 pub mod observable;
 pub mod store;
 pub(crate) mod system_variables;
+pub mod taken_values;
 pub mod tasks;
 pub mod variable_numbers;
-pub mod taken_values;
 
 use crate::application::bundle::Bundle;
 use crate::application::coverage::Collector;

@@ -6,7 +6,7 @@ use crate::application::functions;
 use crate::application::store::MemoryStore;
 use crate::application::tasks::Tasks;
 use crate::application::{assign, compile, notes};
-use crate::application::{inputs, modules};
+use crate::application::{image_places, inputs, modules};
 use crate::case::check::CaseOnBench;
 use crate::case::configure::{configuration, initial_state};
 use crate::codes;
@@ -112,6 +112,7 @@ pub(crate) fn set_up(
     let warnings_of = |program: &program::Program| {
         let mut found = program.warnings.clone();
         found.extend(notes(program, files.profile));
+        found.extend(image_places::warnings(program, &config, case));
         found
     };
     let mut program_warnings = program.as_deref().map_or_else(Vec::new, warnings_of);
