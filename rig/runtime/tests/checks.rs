@@ -1,6 +1,7 @@
 //! What a bench reports of a plan before anything moves, each with the plan that has nothing wrong beside it.
 
 use crate::texts::Texts;
+use document::Diagnostic;
 use scanrig_runtime::case::check_case;
 
 const PROGRAM: &str = "PROGRAM MAIN
@@ -77,6 +78,188 @@ fn values_that_a_step_cannot_write_are_errors() {
         );
         let found = found(&text);
         assert_eq!(found.first().map_or("", |one| &one[..5]), code, "{of} {value}: {found:?}");
+    }
+}
+
+/// The findings of a plan with one step, whose modules are eight digital inputs, an analogue input and an analogue output.
+fn of_step(step: &str) -> Vec<String> {
+    let (Ok(found) | Err(found)) =
+        with_modules(&format!("steps = [{{ id = \"one\", at = \"start + 101 ms\", {step} }}]"), "", PROGRAM);
+    let shown = found.iter().filter(|one| one.is_error());
+    shown.map(|one| format!("{} {}: {}", one.code, one.message, one.help)).collect()
+}
+
+/// What the check finds in a plan of a M241 with three modules.
+fn with_modules(text: &str, binds: &str, program: &str) -> Result<Vec<Diagnostic>, Vec<Diagnostic>> {
+    let plan = format!(
+        "format = 1\ntitle = \"A plan\"\nprogram = \"a.st\"\nneeds = [\"memory-access\"]\n\
+         signals = {{ word = {{ address = \"%QW2\" }}, byte = {{ address = \"%MB3\" }}, far = {{ address = \"%IB201\", record = true }}, bit = {{ image = \"%QX0.4\" }}{binds} }}\n\
+         {text}\nexpect = [{{ state = {{ stays = \"RUNNING\" }} }}]\n\
+         [settings]\nmodules = [\"TM3DI8\", {{ type = \"TM3AI4\", inputs = [\"0..10 V\"] }}, {{ type = \"TM3AQ2\", outputs = [\"0..10 V\"] }}]\n"
+    );
+    let text = program.replace("small : USINT;", "small : USINT; go : BOOL; r : REAL;");
+    let (loaded, jobs) = Texts(&[("plan.toml", &plan), ("a.st", &text)]).load(1);
+    let case = loaded.plan.case(0).unwrap();
+    let files = loaded.files(&case, &jobs[0]).unwrap();
+    check_case(&case, &files)
+}
+
+#[test]
+fn a_program_at_a_place_where_nothing_is_gives_a_warning() {
+    for (declared, body, message, help) in [
+        ("level AT %IW2 : INT;", "", "", ""),
+        (
+            "level AT %IW3 : INT;",
+            "",
+            "%IW3 is M2.IW1, an input of TM3AI4 that is not used",
+            "inputs = [\"0..10 V\", \"0..10 V\"]",
+        ),
+        (
+            "level AT %IW40 : INT;",
+            "",
+            "no input of the controller is at %IW40",
+            "%IW2..%IW5 and status %IB12..%IB15 of M2 (TM3AI4)",
+        ),
+        ("status AT %IB12 : BYTE;", "", "", ""),
+        (
+            "status AT %IB18 : BYTE;",
+            "",
+            "no input of the controller is at %IB18",
+            "%IX3.0..%IX3.7 of M1 (TM3DI8)",
+        ),
+        ("all AT %IB0 : ARRAY [0..99] OF BYTE;", "", "", ""),
+        (
+            "far AT %QW20 : ARRAY [0..3] OF INT;",
+            "",
+            "no output of the controller is at %QW20",
+            "%QW2..%QW3 of M3 (TM3AQ2)",
+        ),
+        ("relay AT %QX8.0 : BOOL;", "", "no output of the controller is at %QX8.0", "%QX0.0..%QX1.1"),
+        ("", "%QX1.1 := %IX1.5;", "", ""),
+        ("", "%QX1.2 := TRUE;", "no output of the controller is at %QX1.2", "%QX2.0 of TM241CEC24T"),
+        ("", "%QX2.0 := %IX2.0;", "", ""),
+        ("m AT %MW40 : INT;", "", "", ""),
+        // The plan looks at this place by its address.
+        ("w AT %IW100 : INT;", "", "", ""),
+    ] {
+        let program =
+            format!("PROGRAM MAIN\nVAR small : USINT; {declared} END_VAR\nsmall := 1; {body}\nEND_PROGRAM");
+        let found = with_modules("", "", &program).unwrap();
+        let fits = match (message, found.as_slice()) {
+            ("", found) => found.is_empty(),
+            (message, [one]) => {
+                one.code == "R0265"
+                    && one.message == message
+                    && one.help.contains(help)
+                    && one.labels[0].file == "a.st"
+            }
+            _ => false,
+        };
+        assert!(fits, "{declared} {body}: {found:#?}");
+    }
+}
+
+#[test]
+fn a_name_of_a_terminal_that_a_module_does_not_have_says_what_to_write() {
+    for (bound, code, help) in [
+        (
+            "\"M2.IW1\"",
+            "R0104",
+            "write { type = \"TM3AI4\", inputs = [\"0..10 V\", \"0..10 V\"] } in `settings.modules`",
+        ),
+        (
+            "{ channel = \"M2.IW1\" }",
+            "R0103",
+            "write { type = \"TM3AI4\", inputs = [\"0..10 V\", \"0..10 V\"] } in `settings.modules`",
+        ),
+        ("\"M3.QW1\"", "R0104", "outputs = [\"0..10 V\", \"0..10 V\"]"),
+        ("\"M2.I0\"", "R0104", "TM3AI4 has the terminals M2.IW0 to M2.IW3"),
+        ("{ channel = \"M4.I0\" }", "R0103", "their terminals begin with M1 to M3"),
+        ("\"%QX9.0\"", "R0102", "its outputs are %QX0.0..%QX1.1"),
+    ] {
+        let (binds, never) = (format!(", x = {bound}"), "measure = [{ name = \"n\", value-of = \"x\" }]");
+        let found = with_modules(never, &binds, PROGRAM).unwrap_err();
+        assert!(found[0].code == code && found[0].help.contains(help), "{bound}: {found:#?}");
+    }
+}
+
+/// A finding says what to write, also where no name is near.
+#[test]
+fn a_finding_of_a_name_or_a_fault_has_a_help() {
+    for (bound, help) in [
+        ("\"Xyzzy.quux\"", "name a variable as in MAIN.n"),
+        ("{ channel = \"Xyzzy.quux\" }", "describe it under `channels` of the board file"),
+    ] {
+        let never = "measure = [{ name = \"n\", value-of = \"x\" }]";
+        let found = with_modules(never, &format!(", x = {bound}"), PROGRAM).unwrap_err();
+        assert!(found[0].help.contains(help), "{bound}: {found:#?}");
+    }
+    let found = of_step("fault = { signal = \"M2.IW0\", kind = \"short-to-supply\" }");
+    assert!(
+        found[0].starts_with("R0111") && found[0].contains("it can have stuck, open, short-to-ground"),
+        "{found:?}"
+    );
+}
+
+/// Faults of outputs are those of the embedded ones: an output of a module is pointed to its line.
+#[test]
+fn a_short_circuit_of_an_output_of_a_module_names_the_fault_of_its_line() {
+    for verb in ["short-circuit", "over-temperature"] {
+        let found = of_step(&format!("{verb} = {{ output = \"%QX4.0\" }}"));
+        assert!(found[0].starts_with("R0111") && found[0].contains("signal = \"M3.QW0\""), "{found:?}");
+        let found = of_step(&format!("{verb} = {{ output = \"%QX9.0\" }}"));
+        assert!(found[0].starts_with("R0102") && found[0].contains("its outputs are"), "{found:?}");
+    }
+}
+
+#[test]
+fn values_that_a_place_a_terminal_or_a_line_does_not_take_are_errors() {
+    let (level, word) = ("it takes TRUE or FALSE", "it takes a whole number from -32768 to 65535");
+    let write = |of: &str, value: &str| format!("write = {{ of = \"{of}\", value = {value} }}");
+    let of =
+        |verb: &str, name: &str, value: &str| format!("{verb} = {{ signal = \"{name}\", value = {value} }}");
+    for (step, help) in [
+        (write("word", "65535"), ""),
+        (write("word", "-32768"), ""),
+        (write("word", "65536"), word),
+        (write("word", "-32769"), word),
+        (write("word", "true"), word),
+        (write("%QW2", "70000"), word),
+        (write("byte", "256"), "it takes a whole number from -128 to 255"),
+        (write("bit", "1"), ""),
+        (write("bit", "2"), level),
+        (write("%MX4.0", "2"), level),
+        (write("MAIN.go", "true"), ""),
+        (write("MAIN.go", "2"), level),
+        (write("MAIN.r", "true"), "it takes 0 and magnitudes"),
+        (write("MAIN.back", "-1"), "it takes a time from 0 s to"),
+        (write("PLC_W.q_wPLCControl", "65536"), "it takes a whole number from 0 to 65535"),
+        (write("word", "\"2 V\""), "write TRUE, FALSE or a number without a unit"),
+        (of("force", "%IX0.0", "1"), ""),
+        (of("force", "%IX0.0", "2"), level),
+        (of("force", "M1.I0", "2"), level),
+        (of("force", "M1.I0", "true"), ""),
+        (of("force", "M2.IW0", "65535"), ""),
+        (of("force", "M2.IW0", "true"), word),
+        (of("force", "M2.IW0", "65536"), word),
+        (of("force", "M3.QW0", "-32769"), word),
+        (of("set", "%IX0.0", "1"), ""),
+        (of("set", "%IX0.0", "2"), level),
+        (of("set", "M2.IW0", "5"), ""),
+        (of("set", "M2.IW0", "true"), "it takes a number in V, as in \"1.5 V\""),
+        (
+            "train = { signal = \"M2.IW0\", frequency = \"10 Hz\", count = 5 }".into(),
+            "write `square` with a `range`",
+        ),
+        ("fault = { signal = \"M2.IW0\", kind = \"stuck\", value = true }".into(), "it takes a number in V"),
+    ] {
+        let found = of_step(&step);
+        let fits = match (help, found.as_slice()) {
+            ("", []) => true,
+            (help, [one]) => !help.is_empty() && one.starts_with("R0107") && one.contains(help),
+            _ => false,
+        };
+        assert!(fits, "{step}: {found:?}");
     }
 }
 

@@ -1,6 +1,7 @@
 //! The embedded inputs of a case: what its settings say, what the controller's documents exclude, and how they are
 //! named in a plan.
 
+use crate::application::module_terminals::ModuleTerminals;
 use crate::application::observable::Observable;
 use crate::codes;
 use controller::{Config, ConfigError, InputConfig, InputFault, InputProbe, Probe, RunStopFault};
@@ -18,12 +19,17 @@ pub fn configure(config: &mut Config, settings: &PlanSettings, plan: &str) -> Re
     let count = config.reference.input_count();
     let everywhere = InputConfig::filtered(settings.filter.unwrap_or_default());
     config.inputs = vec![everywhere; count];
+    let of_modules = ModuleTerminals::new(config.reference, &config.modules);
+    let of_module = |address: Address| {
+        let terminal = of_modules.at(address, 1).next()?;
+        Some(format!("; {address} is {terminal} of {}, and no embedded input", terminal.reference()))
+    };
     let missing = |address: Address, at: Range<usize>| {
         let message = format!("{} has no input {address}", config.reference.name);
         let help = match count {
             0 => String::from("it has no embedded inputs"),
             _ => format!("it has I0 to I{}", count - 1),
-        };
+        } + &of_module(address).unwrap_or_default();
         vec![Diagnostic::error(codes::NO_TERMINAL, message).at(plan, at, "").help(help)]
     };
     let place = |address: Address| address.bit_offset() as usize;

@@ -2,6 +2,7 @@
 
 use crate::application::functions;
 use crate::application::inputs;
+use crate::application::module_terminals::ModuleTerminals;
 use crate::application::modules;
 use crate::codes;
 use crate::suite::case_files::CaseFiles;
@@ -11,6 +12,7 @@ use controller::{
 };
 use document::Diagnostic;
 use plans::plan::{InitialState, PlanSettings};
+use signal::Address;
 
 /// The state in which a case begins.
 pub const fn initial_state(initial: InitialState) -> State {
@@ -86,7 +88,7 @@ pub fn configuration(settings: &PlanSettings, files: &CaseFiles) -> Result<Confi
     for (address, on) in &settings.output_defaults {
         let output = address.bit_offset() as usize;
         if output >= files.reference.output_count() {
-            return Err(vec![no_output(*address, files)]);
+            return Err(vec![no_output(*address, &config, files)]);
         }
         if *on {
             config.output_defaults.insert(output);
@@ -96,10 +98,17 @@ pub fn configuration(settings: &PlanSettings, files: &CaseFiles) -> Result<Confi
     Ok(config)
 }
 
-fn no_output(address: signal::Address, files: &CaseFiles) -> Diagnostic {
-    Diagnostic::error(codes::NO_TERMINAL, format!("{} has no output {address}", files.reference.name)).at(
-        &files.plan.name,
-        0..0,
-        "",
-    )
+fn no_output(address: Address, config: &Config, files: &CaseFiles) -> Diagnostic {
+    let reference = files.reference;
+    let mut help = match reference.output_count().checked_sub(1) {
+        None => String::from("it has no embedded outputs"),
+        Some(last) => format!("it has Q0 to Q{last}"),
+    };
+    if let Some(terminal) = ModuleTerminals::new(reference, &config.modules).at(address, 1).next() {
+        let of = terminal.reference();
+        help +=
+            &format!("; {address} is {terminal} of {of}, whose outputs have FALSE as their default value");
+    }
+    let found = Diagnostic::error(codes::NO_TERMINAL, format!("{} has no output {address}", reference.name));
+    found.at(&files.plan.name, 0..0, "").help(help)
 }

@@ -177,11 +177,31 @@ pub(super) fn fault_kind(
             codes::FAULT_NOT_AVAILABLE,
             step.span.clone(),
             format!("the board cannot put this fault on `{}`", channel.name),
-            "",
+            available(channel),
         );
         return None;
     }
     Some(kind)
+}
+
+/// The faults that a channel can have, in words.
+fn available(channel: &Channel) -> String {
+    let all = [
+        ("stuck", FaultKind::StuckAt(Value::Bool(false))),
+        ("open", FaultKind::Open),
+        ("short-to-ground", FaultKind::ShortToGround),
+        ("short-to-supply", FaultKind::ShortToSupply),
+        ("glitch", FaultKind::Glitch { value: Value::Bool(false), width: Span::ZERO }),
+        ("late", FaultKind::Late(Span::ZERO)),
+        ("lost", FaultKind::Lost),
+    ];
+    let named = all.into_iter().filter(|(_, kind)| channel.faults.contains(*kind)).map(|(name, _)| name);
+    match named.collect::<Vec<_>>() {
+        none if none.is_empty() => {
+            String::from("it can have none: fault relays of the board make faults on real lines")
+        }
+        known => format!("it can have {}", known.join(", ")),
+    }
 }
 
 /// Reports pulses that are faster than a regular input can follow (io:REF-03).

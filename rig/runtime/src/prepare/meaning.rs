@@ -2,6 +2,7 @@
 
 use super::TestBench;
 use crate::application::catalogue::Catalogue;
+use crate::application::image_places::known_places;
 use crate::application::observable::Observable;
 use crate::codes;
 use crate::subject::SubjectExt;
@@ -38,7 +39,7 @@ pub(super) fn meaning(
                 let known = IoChannel::at(*address, bench.reference).is_some()
                     || bench.subject.terminal(*address).is_some();
                 let help = match known {
-                    false => format!("{} has no such terminal", bench.reference.name),
+                    false => no_terminal(*address, bench),
                     true => format!("bind it to a channel in {}", bench.file.name),
                 };
                 out.error(codes::NO_TERMINAL, at.clone(), format!("no line is at {address}"), help);
@@ -48,7 +49,12 @@ pub(super) fn meaning(
         SignalSource::Memory(address) | SignalSource::Image(address) => {
             let limits = bench.profile.address_limits();
             if let Err(error) = address.check(&limits) {
-                out.error(codes::ADDRESS_OUT_OF_RANGE, at, error.to_string(), "");
+                out.error(
+                    codes::ADDRESS_OUT_OF_RANGE,
+                    at,
+                    error.to_string(),
+                    "write an address below the end of its area",
+                );
                 return None;
             }
             inside(&address.to_string())?
@@ -57,7 +63,11 @@ pub(super) fn meaning(
             Some(channel) => NameMeaning::Channel(channel, None),
             None => {
                 let channels = bench.board.channels().iter().map(|channel| channel.name.as_str());
-                let help = suggestion(name, channels);
+                let help = of_module(name, bench)
+                    .or_else(|| {
+                        document::suggest(name, channels).map(|meant| format!("did you mean `{meant}`?"))
+                    })
+                    .unwrap_or_else(|| String::from("describe it under `channels` of the board file"));
                 out.error(codes::NO_CHANNEL, at, format!("the board has no channel `{name}`"), help);
                 return None;
             }
@@ -71,7 +81,12 @@ pub(super) fn meaning(
                 }
                 let mut known = bench.subject.catalogue().map_or_else(Vec::new, Catalogue::names);
                 known.extend(bench.board.channels().iter().map(|channel| channel.name.clone()));
-                let help = suggestion(path, known.iter().map(String::as_str));
+                let known = known.iter().map(String::as_str);
+                let help = of_module(path, bench)
+                    .or_else(|| {
+                        document::suggest(path, known).map(|meant| format!("did you mean `{meant}`?"))
+                    })
+                    .unwrap_or_else(|| String::from(NAMES));
                 let message =
                     format!("`{path}` is no variable, no system variable and no channel of the board");
                 out.error(codes::UNKNOWN_NAME, at, message, help);
@@ -112,6 +127,24 @@ fn element(path: &str, bench: &TestBench<'_>) -> Option<(String, String)> {
         format!("`{path}` is no element of the array `{array}`")
     };
     Some((message, format!("name one element, as in `{example}`")))
+}
+
+/// What a name can be.
+const NAMES: &str =
+    "name a variable as in MAIN.n, a system variable as in PLC_R.i_wStatus, or a channel of the board";
+
+/// What helps where the controller has no terminal at an address.
+pub(super) fn no_terminal(address: Address, bench: &TestBench<'_>) -> String {
+    let known = bench.subject.catalogue().map(|catalogue| {
+        let terminals = catalogue.module_terminals();
+        format!(": {}", known_places(address.area(), bench.reference, &terminals))
+    });
+    format!("{} has no such terminal{}", bench.reference.name, known.unwrap_or_default())
+}
+
+/// What helps where a name has the form of a terminal of a module and is none.
+fn of_module(name: &str, bench: &TestBench<'_>) -> Option<String> {
+    bench.subject.catalogue()?.module_terminals().help(name)
 }
 
 pub(super) fn suggestion<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {

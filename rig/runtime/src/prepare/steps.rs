@@ -2,7 +2,7 @@
 
 use super::TestBench;
 use super::lines::{driven, fault_kind, forced_place, line, of_controller, value_for};
-use super::meaning::{NameMeaning, SignalMeanings, known_tasks, suggestion};
+use super::meaning::{NameMeaning, SignalMeanings, known_tasks, no_terminal, suggestion};
 use super::waves::generator;
 use crate::application::catalogue::Catalogue;
 use crate::application::taken_values::TakenValues;
@@ -268,8 +268,13 @@ fn disturbance(
     let mut output = |address: Address| match IoChannel::at(address, bench.reference) {
         Some(IoChannel::Output(output)) => Some(output),
         _ => {
-            let help = format!("{} has no such terminal", bench.reference.name);
-            out.error(codes::NO_TERMINAL, step.span.clone(), format!("no output is at {address}"), help);
+            let (code, message, help) = match of_module(address, bench) {
+                Some((message, help)) => (codes::FAULT_NOT_AVAILABLE, message, help),
+                None => {
+                    (codes::NO_TERMINAL, format!("no output is at {address}"), no_terminal(address, bench))
+                }
+            };
+            out.error(code, step.span.clone(), message, help);
             None
         }
     };
@@ -326,6 +331,20 @@ fn disturbance(
             return None;
         }
     })
+}
+
+/// What is wrong with a short circuit or heat at an output of a module, and what to write in its place.
+fn of_module(address: Address, bench: &TestBench<'_>) -> Option<(String, String)> {
+    let catalogue = bench.subject.catalogue()?;
+    let terminal = catalogue.module_terminals().at(address, address.bit_len()).next()?;
+    let message = format!(
+        "{address} is {terminal} of {}, and only embedded outputs have a model of short circuits and heat",
+        terminal.reference()
+    );
+    let help = format!(
+        "put a fault on its line, as in fault = {{ signal = \"{terminal}\", kind = \"short-to-ground\" }}"
+    );
+    Some((message, help))
 }
 
 /// The bundle of the program that a step brings: of the case's own one where it names none.

@@ -37,6 +37,13 @@ fn by_rig(
     match &step.stimulus {
         Stimulus::Train(train) => {
             let channel = pulsed(&train.signal, names, bench, step, out)?;
+            if !is_level(channel, bench) {
+                let message = format!("`{}` has {}", train.signal, carries(channel, bench));
+                let help =
+                    "a train drives levels: write `square` with a `range`, as in range = \"0 .. 10 V\"";
+                out.error(codes::VALUE_MISFIT, step.span.clone(), message, help);
+                return None;
+            }
             warn_if_too_fast(channel, train.millihertz(), bench, step, out);
             let high = train.falls(1);
             let shortest = high.min(train.rises(2) - high) - train.jitter - train.jitter;
