@@ -252,3 +252,37 @@ fn outputs_of_a_silent_module_are_off() {
     passive.after(ms(40));
     assert_eq!(shown(&passive, 0).last().map(|(_, value)| *value), Some(Value::Real(5.001_221_001)));
 }
+
+/// What is not there drives nothing, whatever becomes of the bus.
+#[test]
+fn outputs_of_a_pulled_module_stay_undriven() {
+    let module = module_type(false);
+    let outputs = vec![output_of(module, "0..10 V", 0), output_of(module, "4..20 mA", 0)];
+    let configured = ConfiguredModule { outputs, ..ConfiguredModule::new(module) };
+    for passive in [0, 1] {
+        let mut rig = rig(configured.clone(), 5_000);
+        let mut fx = Effects::new();
+        let probe = Probe::System(SystemVariable::BusErrorPassive);
+        rig.plc.write(rig.now, &probe, Value::Word(passive), signal::Cause::Unknown, &mut fx).unwrap();
+        rig.to(run_at(ms(10)));
+        let pull = |rig: &mut Rig, pulled| {
+            let what = Disturbance::Module { index: 0, fault: ModuleFault::Pulled(pulled) };
+            rig.plc.disturb(rig.now, what, &mut Effects::new());
+        };
+        pull(&mut rig, true);
+        rig.to(run_at(ms(12_000)));
+        for output in [0, 1] {
+            assert_eq!(shown(&rig, output).last(), Some(&(ms(10), Value::HighZ)), "{passive} {output}");
+        }
+        pull(&mut rig, false);
+        rig.command(Command::ResetWarm).unwrap();
+        rig.after(ms(5_000));
+        rig.command(Command::Run).unwrap();
+        rig.after(ms(100));
+        assert_eq!(
+            shown(&rig, 1).last().map(|(_, value)| *value),
+            Some(Value::Real(12.001_953_602)),
+            "{passive}"
+        );
+    }
+}

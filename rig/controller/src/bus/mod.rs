@@ -105,6 +105,13 @@ impl Position {
         channels.chain(self.module.status_bytes().iter().copied())
     }
 
+    /// Its outputs are 0 from `now` on. A module that is not there, or has no supply, drives nothing, and so not 0 V either.
+    fn clear(&mut self, now: Time) {
+        if self.supplied {
+            self.module.clear(now);
+        }
+    }
+
     /// Its module has the channels of what is fitted, and the exchange reaches as far as the bus does.
     fn follow(&mut self, all: &FittedModules) {
         let fitted = all.module(self.place);
@@ -255,7 +262,7 @@ impl ExpansionBus {
             position.exchange.start(now, found.state);
             // What a silent module kept ends here (io:ERR-11).
             if found.state == ModuleState::BusError {
-                position.module.clear(now);
+                position.clear(now);
             }
         }
         let differs = self.cartridges_differ;
@@ -496,7 +503,7 @@ impl ExpansionBus {
         self.is_off = true;
         self.image.clear();
         for position in &mut self.positions {
-            position.module.clear(now);
+            position.clear(now);
         }
     }
 
@@ -507,10 +514,10 @@ impl ExpansionBus {
 
     /// What is due at `now` happens.
     pub(crate) fn fire(&mut self, now: Time) {
-        for Position { module, exchange, .. } in &mut self.positions {
-            if exchange.outputs_off() <= now {
-                exchange.switched_off();
-                module.clear(now);
+        for position in &mut self.positions {
+            if position.exchange.outputs_off() <= now {
+                position.exchange.switched_off();
+                position.clear(now);
             }
         }
     }
