@@ -123,7 +123,7 @@ impl<'t> Bench<'t> {
         let address = match Address::parse(&entry.key) {
             Ok(address) => address,
             Err(error) => {
-                out.error(codes::ADDRESS, entry.key_span.clone(), bad_address(&entry.key, error), "");
+                out.error(codes::ADDRESS, entry.key_span.clone(), bad_address(&entry.key, error), READABLE);
                 return None;
             }
         };
@@ -132,7 +132,10 @@ impl<'t> Bench<'t> {
             return Some(address);
         }
         let message = format!("the controller has no terminal {address}");
-        let help = format!("its inputs are {}, its outputs {}", ranges(inputs), ranges(outputs));
+        let mut help = format!("its inputs are {}, its outputs {}", ranges(inputs), ranges(outputs));
+        if !self.file.subject.is_external() {
+            help += OF_MODULE;
+        }
         out.error(codes::TERMINAL, entry.key_span.clone(), message, help);
         None
     }
@@ -206,19 +209,18 @@ impl<'t> Bench<'t> {
         if text.starts_with('%') {
             return match Address::parse(text) {
                 Err(error) => {
-                    out.bad(codes::ADDRESS, node, bad_address(text, error), "");
+                    out.bad(codes::ADDRESS, node, bad_address(text, error), READABLE);
                     None
                 }
                 Ok(address) => {
                     let found = self.file.channel_of(address);
                     if found.is_none() {
                         let message = format!("the controller has no terminal {address}");
-                        out.bad(
-                            codes::TERMINAL,
-                            node,
-                            message,
-                            "name a channel, or a terminal that is bound to one",
-                        );
+                        let mut help = String::from("name a channel, or a terminal that is bound to one");
+                        if !self.file.subject.is_external() {
+                            help += OF_MODULE;
+                        }
+                        out.bad(codes::TERMINAL, node, message, help);
                     }
                     found
                 }
@@ -251,6 +253,12 @@ fn ranges(list: &[Address]) -> String {
     let ranges: Vec<String> = list.chunk_by(follows).map(range).collect();
     if ranges.is_empty() { String::from("none") } else { ranges.join(", ") }
 }
+
+/// What to write for a terminal of a module, whose address follows from a plan.
+const OF_MODULE: &str = "; a terminal of a module goes by its name: M1.IW0 = { kind = \"analog\", unit = \"V\" } under `channels`";
+
+/// What to write for an address that does not read.
+const READABLE: &str = "write an input as in %IX0.4, an output as in %QX0.4; a bit is .0 to .7";
 
 fn bad_address(text: &str, error: AddressError) -> String {
     format!("`{text}` does not read as an address: {error}")
