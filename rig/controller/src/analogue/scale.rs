@@ -1,7 +1,8 @@
 //! Between the value at the terminal of an analogue channel and its word of %I or %Q.
 //!
-//! Values are whole billionths of the unit here, and all divisions round to the nearest, halves away from zero: a resolution of
-//! b bits divides the mode into 2^b - 1 steps, of which a value is rounded to one, and the step is rounded to a word.
+//! Values are whole billionths of the unit here, and all divisions round to the nearest: a resolution of b bits divides the mode
+//! into 2^b - 1 steps, of which a value is rounded to one, and the step is rounded to a word. Steps and words are counted from the
+//! low end, and a half goes away from it; temperatures and ohms are counted from 0, and a half goes away from that.
 
 use profile::{
     AnalogueInputSettings, AnalogueMode, AnalogueOutputSettings, ChannelStatus, CountRange, TemperatureScope,
@@ -212,6 +213,17 @@ mod tests {
         assert_eq!(converted(&fine, 5.0), (5_000, 0));
         let all = input(&mode, (i16::MIN, i16::MAX), None);
         assert_eq!([0.0, 10.0].map(|volts| converted(&all, volts)), [(i16::MIN, 0), (i16::MAX, 0)]);
+    }
+
+    #[test]
+    fn halves_go_away_from_the_low_end() {
+        let mode = mode(Some(("4", "20")), Some(("3.68", "20.32")), None);
+        let scale = input(&mode, (-100, 100), None);
+        let at = |value| converted(&scale, value).0;
+        assert_eq!([4.04, 5.08, 3.96].map(at), [-99, -86, -101]);
+        let counts = CountRange::new(-3, 2).unwrap();
+        let output = OutputScale::new(&AnalogueOutputSettings::new(&mode, counts), Some(1)).unwrap();
+        assert_eq!([-3, -1, 0, 2].map(|word| output.value(word)), [4.0, 4.0, 20.0, 20.0]);
     }
 
     #[test]
