@@ -195,6 +195,9 @@ fn named(
         let known = channels.modes.iter().map(|mode| mode.name.as_str());
         let help = match suggest(name, known.clone()) {
             Some(near) => format!("did you mean \"{near}\"?"),
+            None if channels.modes.is_empty() => {
+                String::from("no document has its modes: write \"not used\", or leave the channel out")
+            }
             None => format!("its modes are {}", known.collect::<Vec<_>>().join(", ")),
         };
         let message = format!("a channel of {} has no mode `{name}`", module.reference);
