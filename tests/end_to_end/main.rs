@@ -28,6 +28,7 @@ mod judge;
 mod latency;
 mod listed;
 mod manual;
+mod modules;
 mod plan_folder;
 mod program;
 mod project;

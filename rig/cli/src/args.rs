@@ -58,6 +58,8 @@ pub enum CliCommand {
     Step(crate::step::StepArgs),
     /// Explain the code of a finding, with an example and the fix; print what the catalogue says of a module.
     Explain(crate::explain::ExplainArgs),
+    /// Print where the inputs and outputs of a plan's controller and modules are: addresses, status bytes, modes.
+    Modules(crate::modules::ModulesArgs),
     /// Print the JSON Schema of a format, for editors.
     Schema(crate::schema::SchemaArgs),
     /// The plans that ship with the rig.

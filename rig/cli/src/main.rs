@@ -20,6 +20,7 @@ mod history;
 mod judge;
 mod line_queue;
 mod module_page;
+mod modules;
 mod new;
 mod operator;
 mod output;
@@ -83,6 +84,7 @@ fn main() -> ExitCode {
         CliCommand::Dash(args) => dash::run(&args),
         CliCommand::Step(args) => step::run(&args),
         CliCommand::Explain(args) => explain::run(&args),
+        CliCommand::Modules(args) => modules::run(&args),
         CliCommand::Schema(args) => schema::run(&args),
         CliCommand::Plans(command) => plans::run(&command),
         CliCommand::Completions(args) => completions::run(&args, Cli::command()),

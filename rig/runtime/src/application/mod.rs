@@ -10,7 +10,7 @@ pub mod functions;
 pub(crate) mod image_places;
 pub(crate) mod inputs;
 pub mod module_terminals;
-pub(crate) mod modules;
+pub mod modules;
 pub mod observable;
 pub mod store;
 pub(crate) mod system_variables;

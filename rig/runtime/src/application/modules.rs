@@ -12,7 +12,7 @@ use profile::{
 ///
 /// # Errors
 /// The first rule that a controller of the profile finds broken, at the module of the plan.
-pub(crate) fn configure(
+pub fn configure(
     settings: &[ModuleSettings],
     profile: Profile,
     reference: &'static Reference,
