@@ -266,6 +266,9 @@ impl Directory {
     }
 
     fn unknown(&self, name: &str) -> RequestFault {
+        if let Some(help) = self.catalogue.module_terminals().help(name) {
+            return fault::unknown_terminal(name, &help);
+        }
         let channels = self.channels.iter().map(|line| line.name.as_str());
         let names = channels.chain(self.signals.iter().map(|known| known.signal.name.as_str()));
         fault::unknown(name, document::suggest(name, names))

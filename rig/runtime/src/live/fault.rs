@@ -18,6 +18,11 @@ pub fn unknown(name: &str, meant: Option<&str>) -> RequestFault {
     fault(codes::UNKNOWN_TO_RIG, format!("unknown name `{name}`"), &help)
 }
 
+/// A name of a terminal that no module has, or whose channel is not used.
+pub fn unknown_terminal(name: &str, help: &str) -> RequestFault {
+    fault(codes::UNKNOWN_TO_RIG, format!("unknown name `{name}`"), help)
+}
+
 /// An address that the controller does not have.
 pub fn unknown_address(name: &str, why: &str) -> RequestFault {
     fault(

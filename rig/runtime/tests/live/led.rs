@@ -91,6 +91,8 @@ fn what_cannot_be_is_refused_with_a_code_and_a_mend() {
         assert_eq!((fault.code.as_str(), fault.help.as_str()), ("R0601", "did you mean `MAIN.count`?"));
         assert_eq!(bench.rig.find("%MW99999999").unwrap_err().code, "R0601");
         assert_eq!(bench.rig.find("MAIN.list").unwrap_err().code, "R0601");
+        let fault = bench.rig.find("M1.IW0").unwrap_err();
+        assert!(fault.code == "R0601" && fault.help.contains("no module is configured"), "{}", fault.help);
         for (name, value, code) in [
             ("MAIN.count", Value::Int(100_000), "R0603"),
             ("MAIN.count", Value::Real(0.5), "R0603"),
