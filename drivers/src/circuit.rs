@@ -2,9 +2,11 @@
 
 mod bus;
 mod order;
+mod plant;
 mod tally;
 
 use std::fmt;
+use std::sync::Arc;
 
 use signal::{Address, Area, Size, Span, Value};
 use thiserror::Error;
@@ -12,6 +14,7 @@ use thiserror::Error;
 use crate::channel::{ChannelId, ChannelKind};
 
 pub use bus::{BusSpec, BusSpecKind, CanRates, SerialEnd, SerialMedium};
+pub use plant::{ParameterKind, Plant, PlantInput, PlantParameter, PlantPort, PlantPortKind, PlantSpec};
 pub use tally::TallySpec;
 
 /// What an undriven digital line reads.
@@ -130,73 +133,15 @@ pub struct WireSpec {
     pub bounce: Option<Bounce>,
 }
 
-/// What a lag strives for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum LagTarget {
-    /// For a digital input: `low` while it is 0 or undriven, `high` while it is 1.
-    Levels {
-        /// In the output's unit.
-        low: f64,
-        /// In the output's unit.
-        high: f64,
-    },
-    /// For an analog input `x`: `offset + gain x`.
-    Linear {
-        /// In the output's unit.
-        offset: f64,
-        /// Output's unit per input's unit.
-        gain: f64,
-    },
-}
-
-/// A comparator with hysteresis on the value of a plant.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SwitchSpec {
-    /// The digital channel that it drives.
-    pub channel: ChannelId,
-    /// It drives 1 from the first nanosecond at which the value has reached this.
-    pub on_above: f64,
-    /// It drives 0 from the first nanosecond at which the value has come down to this; below `on_above`.
-    pub off_below: f64,
-}
-
-/// A first-order lag: a tank, an oven, a filter.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LagSpec {
-    /// Name for messages.
-    pub name: String,
-    /// The channel that drives it.
-    pub input: ChannelId,
-    /// The analog channel that carries its sampled value.
-    pub output: ChannelId,
-    /// Where the input sends it.
-    pub target: LagTarget,
-    /// Value at the start.
-    pub initial: f64,
-    /// Time constant, above 0.
-    pub tau: Span,
-    /// Time between two samples of the output, above 0.
-    pub sample: Span,
-    /// Comparators on its value.
-    pub switches: Vec<SwitchSpec>,
-}
-
-/// A plant of a simulated board.
-#[derive(Clone, Debug, PartialEq)]
-pub enum PlantSpec {
-    /// First-order lag.
-    Lag(LagSpec),
-}
-
 /// A simulated board as data.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct Circuit {
     /// Its channels; a [`ChannelId`] is a place in here.
     pub channels: Vec<ChannelSpec>,
     /// Its wires.
     pub wires: Vec<WireSpec>,
     /// Its plants.
-    pub plants: Vec<PlantSpec>,
+    pub plants: Vec<Arc<dyn PlantSpec>>,
     /// What is counted of its lines; each on a channel of kind [`ChannelKind::Count`].
     pub tallies: Vec<TallySpec>,
     /// Its buses, which nothing else of it reaches.
@@ -277,8 +222,8 @@ pub enum CircuitFault {
     /// A bounce with less than a nanosecond for each edge.
     #[error("a bounce needs at least a nanosecond for each edge")]
     BounceTime,
-    /// A wire that closes a ring of wires without delay: the level of such a ring is not defined.
-    #[error("the wire closes a ring of wires without delay")]
+    /// A wire or plant that closes a ring of what has no delay: the value of such a ring is not defined.
+    #[error("it closes a ring of wires without delay, or of plants that pass on a change at once")]
     Loop,
     /// A number that is infinite or no number.
     #[error("a number is infinite or no number")]
@@ -286,9 +231,6 @@ pub enum CircuitFault {
     /// A switch that would go off where it goes on, or above.
     #[error("a switch must go off below where it goes on")]
     NoHysteresis,
-    /// A lag's target is of levels for an analog input, or linear for a digital one.
-    #[error("the lag's target does not fit the kind of its input")]
-    TargetKind,
 }
 
 /// A circuit that cannot be built.
@@ -318,8 +260,8 @@ impl Circuit {
                 errors.push(CircuitError { part: CircuitPart::Wire(place), fault });
             }
         }
-        for (place, PlantSpec::Lag(lag)) in self.plants.iter().enumerate() {
-            self.check_lag(place, lag, &mut errors);
+        for (place, plant) in self.plants.iter().enumerate() {
+            self.check_plant(place, plant.as_ref(), &mut errors);
         }
         for tally in &self.tallies {
             if let Err(fault) = self.check_tally(tally) {
@@ -328,8 +270,8 @@ impl Circuit {
         }
         if errors.is_empty() {
             self.check_sources(&mut errors);
-            if let Err(wire) = self.order() {
-                errors.push(CircuitError { part: CircuitPart::Wire(wire), fault: CircuitFault::Loop });
+            if let Err(part) = self.order() {
+                errors.push(CircuitError { part, fault: CircuitFault::Loop });
             }
         }
         errors
@@ -403,61 +345,38 @@ impl Circuit {
         Ok(())
     }
 
-    fn check_lag(&self, plant: usize, lag: &LagSpec, errors: &mut Vec<CircuitError>) {
-        if let Err(fault) = self.check_lag_body(lag) {
-            errors.push(CircuitError { part: CircuitPart::Plant(plant), fault });
-        }
-        for (switch, spec) in lag.switches.iter().enumerate() {
-            if let Err(fault) = self.check_switch(spec) {
-                errors.push(CircuitError { part: CircuitPart::Switch { plant, switch }, fault });
-            }
-        }
-    }
-
-    fn check_lag_body(&self, lag: &LagSpec) -> Result<(), CircuitFault> {
-        let numbers = match lag.target {
-            LagTarget::Levels { low, high } => [low, high, lag.initial],
-            LagTarget::Linear { offset, gain } => [offset, gain, lag.initial],
+    fn check_plant(&self, plant: usize, spec: &dyn PlantSpec, errors: &mut Vec<CircuitError>) {
+        let part = |switch: Option<usize>| {
+            switch.map_or(CircuitPart::Plant(plant), |switch| CircuitPart::Switch { plant, switch })
         };
-        if self.digital(lag.input)? != matches!(lag.target, LagTarget::Levels { .. }) {
-            return Err(CircuitFault::TargetKind);
-        }
-        for channel in [lag.output, lag.input] {
-            if channel == lag.output && self.digital(channel)? || self.counts(channel)? {
-                return Err(CircuitFault::NotAnalog(channel));
+        for port in spec.inputs().into_iter().chain(spec.outputs()) {
+            if let Err(fault) = self.check_port(&port) {
+                errors.push(CircuitError { part: part(port.switch), fault });
             }
         }
-        if numbers.iter().any(|number| !number.is_finite()) {
-            return Err(CircuitFault::NotFinite);
-        }
-        if lag.tau <= Span::ZERO || lag.sample <= Span::ZERO {
-            return Err(CircuitFault::BadTime);
-        }
-        Ok(())
+        let faults = spec.check().into_iter();
+        errors.extend(faults.map(|(switch, fault)| CircuitError { part: part(switch), fault }));
     }
 
-    fn check_switch(&self, switch: &SwitchSpec) -> Result<(), CircuitFault> {
-        if !self.digital(switch.channel)? {
-            return Err(CircuitFault::NotDigital(switch.channel));
+    fn check_port(&self, port: &PlantPort) -> Result<(), CircuitFault> {
+        let id = port.channel;
+        let kind = &self.channel(id)?.kind;
+        match (port.kind, kind) {
+            (PlantPortKind::Level, ChannelKind::Digital)
+            | (PlantPortKind::Quantity, ChannelKind::Analog { .. })
+            | (PlantPortKind::Either, ChannelKind::Digital | ChannelKind::Analog { .. }) => Ok(()),
+            (PlantPortKind::Level, _) => Err(CircuitFault::NotDigital(id)),
+            (PlantPortKind::Quantity | PlantPortKind::Either, _) => Err(CircuitFault::NotAnalog(id)),
         }
-        if !(switch.on_above.is_finite() && switch.off_below.is_finite()) {
-            return Err(CircuitFault::NotFinite);
-        }
-        if switch.off_below >= switch.on_above {
-            return Err(CircuitFault::NoHysteresis);
-        }
-        Ok(())
     }
 
     /// Levels that meet on a line have a winner; values that meet do not.
     fn check_sources(&self, errors: &mut Vec<CircuitError>) {
         let mut driven = vec![false; self.channels.len()];
         let wires = self.wires.iter().enumerate().map(|(place, wire)| (CircuitPart::Wire(place), wire.to));
-        let plants = self
-            .plants
-            .iter()
-            .enumerate()
-            .map(|(place, PlantSpec::Lag(lag))| (CircuitPart::Plant(place), lag.output));
+        let plants = self.plants.iter().enumerate().flat_map(|(place, plant)| {
+            plant.outputs().into_iter().map(move |port| (CircuitPart::Plant(place), port.channel))
+        });
         for (part, to) in wires.chain(plants) {
             if self.digital(to) == Ok(false) && std::mem::replace(&mut driven[usize::from(to.0)], true) {
                 errors.push(CircuitError { part, fault: CircuitFault::TwoSources(to) });

@@ -128,13 +128,14 @@ document::codes! {
     KINDS_DIFFER = "B0401", "A wire joins channels of different kinds";
     NOT_FOR_ANALOG = "B0402", "An analog wire can neither invert nor bounce";
     BOUNCE = "B0403", "A bounce is impossible";
-    RING = "B0404", "Wires without delay form a ring";
+    RING = "B0404", "Wires or plants without delay form a ring";
     TWO_SOURCES = "B0405", "An analog channel is driven from two sides";
     PLANT_CHANNEL = "B0501", "A channel does not suit its plant";
     PLANT_TARGET = "B0502", "A lag's target is missing or does not suit its input";
     UNIT = "B0503", "A number has another unit than its channel";
     TIME = "B0504", "A time must be above 0";
     HYSTERESIS = "B0505", "A switch goes off where it goes on, or above";
+    PLANT_KEY = "B0506", "A key belongs to another kind of plant";
     CHANCE = "B0601", "A chance is not between 0 and 1";
 }
 

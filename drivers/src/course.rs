@@ -45,6 +45,11 @@ fn seconds(from: Time, to: Time) -> f64 {
     to.as_nanos().saturating_sub(from.as_nanos()) as f64 / NANOS
 }
 
+/// The seconds of a duration.
+pub fn span_seconds(span: Span) -> f64 {
+    span.as_nanos() as f64 / NANOS
+}
+
 impl Course {
     /// A quantity that stays.
     pub const fn constant(since: Time, value: f64) -> Course {

@@ -29,6 +29,7 @@ mod holder;
 pub mod inventory;
 mod loopback;
 pub mod measure;
+mod number;
 mod output_claim;
 pub mod plant;
 pub mod real;
@@ -42,7 +43,9 @@ pub mod sim;
 mod thread;
 pub mod wrap;
 
-pub use board::{Board, BoardError, BoardExt, Buses, Call, Descriptions, FaultInjection, PulseOutputs};
+pub use board::{
+    Board, BoardError, BoardExt, Buses, Call, Descriptions, FaultInjection, PlantParameters, PulseOutputs,
+};
 pub use bus::{Bus, BusEvent, BusId, BusKind};
 pub use channel::{
     Channel, ChannelId, ChannelKind, Emission, Fault, FaultKind, FaultSet, NotEmitted, PulseCapability,

@@ -2,21 +2,26 @@
 
 use crate::common::*;
 use proptest::prelude::*;
-use scanrig_drivers::circuit::{
-    ChannelSpec, Circuit, CircuitFault, LagSpec, LagTarget, PlantSpec, Pull, SwitchSpec,
-};
+use scanrig_drivers::circuit::{ChannelSpec, Circuit, CircuitFault, Pull};
+use scanrig_drivers::plant::{LagSpec, LagTarget, SwitchSpec};
 use scanrig_drivers::{Board, SimulatedBoard};
 use signal::{Span, Value};
+use std::sync::Arc;
 
 const MS: i64 = 1_000_000;
 
 /// Q0 heats `temp` (channel 1) from 20 to 100 with 2 s; I0 (channel 2) is on above 60, off below 55.
 fn oven() -> Circuit {
+    oven_with(|_| {})
+}
+
+/// The oven with its lag changed.
+fn oven_with(change: impl FnOnce(&mut LagSpec)) -> Circuit {
     let mut circuit = Circuit::default();
     circuit.channels.push(ChannelSpec::digital("Q0", Pull::None));
     circuit.channels.push(ChannelSpec::analog("temp", "degC"));
     circuit.channels.push(ChannelSpec::digital("I0", Pull::Down));
-    circuit.plants.push(PlantSpec::Lag(LagSpec {
+    let mut lag = LagSpec {
         name: "oven".into(),
         input: id(0),
         output: id(1),
@@ -25,13 +30,10 @@ fn oven() -> Circuit {
         tau: Span::from_secs(2),
         sample: Span::from_millis(10),
         switches: vec![SwitchSpec { channel: id(2), on_above: 60.0, off_below: 55.0 }],
-    }));
+    };
+    change(&mut lag);
+    circuit.plants.push(Arc::new(lag));
     circuit
-}
-
-fn lag(circuit: &mut Circuit) -> &mut LagSpec {
-    let PlantSpec::Lag(lag) = &mut circuit.plants[0];
-    lag
 }
 
 #[test]
@@ -75,8 +77,7 @@ fn a_write_overrides_the_plant_until_it_is_let_go() {
 
 #[test]
 fn a_start_beyond_a_threshold_is_on_from_the_start() {
-    let mut circuit = oven();
-    lag(&mut circuit).initial = 80.0;
+    let circuit = oven_with(|lag| lag.initial = 80.0);
     let mut board = SimulatedBoard::new(&circuit, 0).unwrap();
     board.start(at(0)).unwrap();
     let events = poll(&mut board, 10_000 * MS);
@@ -89,10 +90,11 @@ fn a_start_beyond_a_threshold_is_on_from_the_start() {
 
 #[test]
 fn an_analog_input_sets_the_target() {
-    let mut circuit = oven();
+    let mut circuit = oven_with(|lag| {
+        lag.target = LagTarget::Linear { offset: 10.0, gain: 3.0 };
+        lag.initial = 10.0;
+    });
     circuit.channels[0] = ChannelSpec::analog("set", "V");
-    lag(&mut circuit).target = LagTarget::Linear { offset: 10.0, gain: 3.0 };
-    lag(&mut circuit).initial = 10.0;
     let mut board = started(&circuit, 0);
     board.write(at(0), &[(id(0), Value::Real(2.0))]).unwrap();
     poll(&mut board, 200_000 * MS);
@@ -101,20 +103,17 @@ fn an_analog_input_sets_the_target() {
 
 #[test]
 fn bad_plants_are_refused() {
-    let fault = |change: &dyn Fn(&mut Circuit)| {
-        let mut circuit = oven();
-        change(&mut circuit);
-        circuit.check().first().map(|error| error.fault)
-    };
-    assert_eq!(fault(&|_| {}), None);
-    assert_eq!(fault(&|c| lag(c).tau = Span::ZERO), Some(CircuitFault::BadTime));
-    assert_eq!(fault(&|c| lag(c).initial = f64::NAN), Some(CircuitFault::NotFinite));
-    assert_eq!(fault(&|c| lag(c).output = id(2)), Some(CircuitFault::NotAnalog(id(2))));
-    assert_eq!(fault(&|c| lag(c).input = id(1)), Some(CircuitFault::TargetKind));
-    assert_eq!(fault(&|c| lag(c).switches[0].on_above = 55.0), Some(CircuitFault::NoHysteresis));
-    assert_eq!(fault(&|c| lag(c).switches[0].channel = id(1)), Some(CircuitFault::NotDigital(id(1))));
-    let twice = |c: &mut Circuit| c.plants.push(c.plants[0].clone());
-    assert_eq!(fault(&twice), Some(CircuitFault::TwoSources(id(1))));
+    let fault = |change: fn(&mut LagSpec)| oven_with(change).check().first().map(|error| error.fault);
+    assert_eq!(fault(|_| {}), None);
+    assert_eq!(fault(|lag| lag.tau = Span::ZERO), Some(CircuitFault::BadTime));
+    assert_eq!(fault(|lag| lag.initial = f64::NAN), Some(CircuitFault::NotFinite));
+    assert_eq!(fault(|lag| lag.output = id(2)), Some(CircuitFault::NotAnalog(id(2))));
+    assert_eq!(fault(|lag| lag.input = id(1)), Some(CircuitFault::NotDigital(id(1))));
+    assert_eq!(fault(|lag| lag.switches[0].on_above = 55.0), Some(CircuitFault::NoHysteresis));
+    assert_eq!(fault(|lag| lag.switches[0].channel = id(1)), Some(CircuitFault::NotDigital(id(1))));
+    let mut twice = oven();
+    twice.plants.push(twice.plants[0].clone());
+    assert_eq!(twice.check().first().map(|error| error.fault), Some(CircuitFault::TwoSources(id(1))));
 }
 
 proptest! {
@@ -125,9 +124,10 @@ proptest! {
         gaps in proptest::collection::vec(1i64..300, 1..12),
         tau in 20i64..400,
     ) {
-        let mut circuit = oven();
-        lag(&mut circuit).tau = Span::from_millis(tau);
-        lag(&mut circuit).sample = Span::from_millis(1);
+        let circuit = oven_with(|lag| {
+            lag.tau = Span::from_millis(tau);
+            lag.sample = Span::from_millis(1);
+        });
         let mut board = started(&circuit, 0);
         let (mut events, mut now, mut level) = (Vec::new(), 0, false);
         let mut inputs = Vec::new();

@@ -98,6 +98,22 @@ pub trait FaultInjection: fmt::Debug {
     fn fault_settled_at(&self, channel: ChannelId) -> Option<When>;
 }
 
+/// The plants of a board, as far as they can be set.
+pub trait PlantParameters: fmt::Debug {
+    /// Sets a parameter of a plant from `now` on; both are counted in the order of the board file and of
+    /// [`PlantSpec::parameters`](crate::circuit::PlantSpec::parameters).
+    ///
+    /// # Errors
+    /// [`BoardError::NoPlant`], and as [`Board::write`](super::Board::write).
+    fn set_parameter(
+        &mut self,
+        now: Time,
+        plant: usize,
+        parameter: usize,
+        value: f64,
+    ) -> Result<(), BoardError>;
+}
+
 /// What is known of the devices behind the channels.
 pub trait Descriptions: fmt::Debug {
     /// The device behind a channel in words, as in `/dev/gpiochip0 (pinctrl-bcm2711)`. `None` where there is none.

@@ -92,6 +92,9 @@ pub enum BoardError {
         /// The limit.
         limit: u32,
     },
+    /// The board has no such plant.
+    #[error("the board has no plant {0}")]
+    NoPlant(usize),
     /// The board has no such bus.
     #[error("the board has no bus {}", .0.0)]
     NoBus(BusId),

@@ -114,6 +114,21 @@ pub trait BoardExt: Board {
         self.faults()?.fault_settled_at(channel)
     }
 
+    /// As [`PlantParameters::set_parameter`](super::PlantParameters::set_parameter).
+    ///
+    /// # Errors
+    /// [`BoardError::NoPlant`] without plants.
+    fn set_parameter(
+        &mut self,
+        now: Time,
+        plant: usize,
+        parameter: usize,
+        value: f64,
+    ) -> Result<(), BoardError> {
+        let plants = self.plant_parameters().ok_or(BoardError::NoPlant(plant))?;
+        plants.set_parameter(now, plant, parameter, value)
+    }
+
     /// As [`Descriptions::device`](super::Descriptions::device).
     fn device(&self, channel: ChannelId) -> Option<&str> {
         self.descriptions()?.device(channel)

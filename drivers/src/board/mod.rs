@@ -12,7 +12,7 @@ use crate::event::{BoardEvent, Health};
 use crate::output_claim::OutputClaim;
 use signal::{Time, Value};
 
-pub use capability::{Buses, Descriptions, FaultInjection, PulseOutputs};
+pub use capability::{Buses, Descriptions, FaultInjection, PlantParameters, PulseOutputs};
 pub use error::{BoardError, Call};
 pub use ext::BoardExt;
 
@@ -110,6 +110,11 @@ pub trait Board: Send + fmt::Debug {
     /// As [`Board::faults`], to inject and to clear.
     fn faults_mut(&mut self) -> Option<&mut dyn FaultInjection> {
         self.inner_mut()?.faults_mut()
+    }
+
+    /// Plants that can be set.
+    fn plant_parameters(&mut self) -> Option<&mut dyn PlantParameters> {
+        self.inner_mut()?.plant_parameters()
     }
 
     /// A claim of their own on the output lines, for whoever makes them safe when the rig cannot any more. Empty for a

@@ -7,6 +7,7 @@ use signal::{Address, AddressError, Area, Size, Value};
 
 use super::{Binding, BoardFile, Terminals, codes, keys, number};
 use crate::circuit::{ChannelSpec, MAX_PARTS, Pull};
+use crate::plant::ChannelNames;
 use crate::{ChannelId, ChannelKind};
 
 /// The board being read, with the place of every channel that the file itself describes.
@@ -238,6 +239,16 @@ impl<'t> Bench<'t> {
             out.bad(codes::UNKNOWN_CHANNEL, node, format!("the board has no channel `{text}`"), help);
         }
         found
+    }
+}
+
+impl ChannelNames for Bench<'_> {
+    fn channel(&self, node: &Node, out: &mut Findings) -> Option<ChannelId> {
+        Bench::channel(self, node, out)
+    }
+
+    fn spec(&self, channel: ChannelId) -> &ChannelSpec {
+        &self.file.circuit.channels[usize::from(channel.0)]
     }
 }
 

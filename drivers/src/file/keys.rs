@@ -4,6 +4,7 @@ use document::{KeySpec, KeyType};
 use host::Processors;
 
 use super::devices::counter;
+use crate::plant;
 
 mod devices;
 
@@ -56,7 +57,7 @@ pub const KEYS: &[KeySpec] = &[
         "Expansion modules that are fitted; exactly those that a plan configures if left out",
     ),
     KeySpec::optional("wires", KeyType::List(&KeyType::Table(WIRE)), "Wires between channels"),
-    KeySpec::optional("plants", KeyType::List(&KeyType::Table(PLANT)), "Processes between channels"),
+    KeySpec::optional("plants", KeyType::List(&KeyType::Table(plant::KEYS)), "Processes between channels"),
     KeySpec::optional(
         "guard",
         KeyType::Table(GUARD),
@@ -411,27 +412,6 @@ pub(super) const BOUNCE: &[KeySpec] = &[
         KeyType::Choice(&["random", "even"]),
         "\"random\" (from the seed, if left out) or \"even\"",
     ),
-];
-
-pub(super) const PLANT: &[KeySpec] = &[
-    KeySpec::required("kind", KeyType::Choice(&["lag"]), "\"lag\": first-order lag"),
-    KeySpec::required("name", KeyType::Text, "Its name"),
-    KeySpec::required("input", NAME, "The channel that drives it"),
-    KeySpec::required("output", NAME, "The analog channel that carries its value"),
-    KeySpec::optional("low", KeyType::Quantity, "Where it goes while a digital input is 0"),
-    KeySpec::optional("high", KeyType::Quantity, "Where it goes while a digital input is 1"),
-    KeySpec::optional("offset", KeyType::Quantity, "Where it goes while an analog input is 0"),
-    KeySpec::optional("gain", KeyType::Number, "How much further it goes for each unit of an analog input"),
-    KeySpec::optional("initial", KeyType::Quantity, "Value at the start; `low` or `offset` if left out"),
-    KeySpec::required("tau", KeyType::Duration, "Time constant"),
-    KeySpec::required("sample", KeyType::Duration, "Time between two samples of the output"),
-    KeySpec::optional("switches", KeyType::List(&KeyType::Table(SWITCH)), "Comparators on its value"),
-];
-
-pub(super) const SWITCH: &[KeySpec] = &[
-    KeySpec::required("channel", NAME, "The digital channel that it drives"),
-    KeySpec::required("on-above", KeyType::Quantity, "It goes on where the value reaches this"),
-    KeySpec::required("off-below", KeyType::Quantity, "It goes off where the value comes down to this"),
 ];
 
 pub(super) const GUARD: &[KeySpec] = &[

@@ -11,7 +11,6 @@ mod devices;
 mod guard;
 mod keys;
 mod modules;
-mod number;
 mod parts;
 mod ports;
 mod read;
@@ -36,6 +35,7 @@ use crate::{Board, BoardContext, ChannelId, LoopbackPair, RealtimeSettings, Simu
 
 use crate::codes;
 pub use crate::codes::CODES;
+use crate::number;
 pub use clock::BoardClock;
 pub use control::{ControlSettings, OnDisconnect};
 pub use delays::ChannelDelay;

@@ -7,12 +7,9 @@ use signal::Span;
 
 use super::bench::Bench;
 use super::{codes, keys, number};
-use crate::circuit::{
-    Bounce, CircuitError, CircuitFault, CircuitPart, LagSpec, LagTarget, MAX_PARTS, PlantSpec, Spacing,
-    SwitchSpec, WireSpec,
-};
+use crate::circuit::{Bounce, CircuitError, CircuitFault, CircuitPart, MAX_PARTS, Spacing, WireSpec};
 use crate::wrap::Disturbance;
-use crate::{ChannelId, ChannelKind};
+use crate::{ChannelId, plant};
 
 /// Adds the file's wires. Returns the value of each wire that was added.
 pub(super) fn wires<'n>(nodes: &'n [Node], bench: &mut Bench, out: &mut Findings) -> Vec<&'n Node> {
@@ -42,10 +39,8 @@ pub(super) fn wires<'n>(nodes: &'n [Node], bench: &mut Bench, out: &mut Findings
 pub(super) fn plants<'n>(nodes: &'n [Node], bench: &mut Bench, out: &mut Findings) -> Vec<&'n Node> {
     let mut places = Vec::new();
     for node in within_limit(nodes, "plants", out) {
-        let Some(table) = node.as_table() else { continue };
-        let fields = Fields::check(table, node.span.clone(), "plant", keys::PLANT, out);
-        if let Some(lag) = lag(&fields, node, bench, out) {
-            bench.file.circuit.plants.push(PlantSpec::Lag(lag));
+        if let Some(spec) = plant::read(node, bench, out) {
+            bench.file.circuit.plants.push(spec);
             places.push(node);
         }
     }
@@ -61,78 +56,6 @@ fn within_limit<'n>(nodes: &'n [Node], what: &str, out: &mut Findings) -> &'n [N
             &nodes[..MAX_PARTS]
         }
     }
-}
-
-fn lag(fields: &Fields, node: &Node, bench: &Bench, out: &mut Findings) -> Option<LagSpec> {
-    let end = |key: &str, out: &mut Findings| fields.get(key).and_then(|node| bench.channel(node, out));
-    let (input, output) = (end("input", out), end("output", out));
-    let (input, output) = (input?, output?);
-    let channels = &bench.file.circuit.channels;
-    let ChannelKind::Analog { unit } = &channels[usize::from(output.0)].kind else {
-        let place = fields.get("output").unwrap_or(node);
-        let help = "describe an analog channel under `channels` and name it here";
-        out.bad(codes::PLANT_CHANNEL, place, "a lag's output needs an analog channel", help);
-        return None;
-    };
-    let digital = channels[usize::from(input.0)].kind == ChannelKind::Digital;
-    let target = target(fields, node, digital, unit, out);
-    let initial = fields.get("initial").map(|node| number::quantity(node, unit, out));
-    let switches = switches(fields, bench, unit, out);
-    let target = target?;
-    let initial = match (initial, target) {
-        (Some(initial), _) => initial?,
-        (None, LagTarget::Levels { low, .. }) => low,
-        (None, LagTarget::Linear { offset, .. }) => offset,
-    };
-    let name = fields.text("name").unwrap_or_default().to_owned();
-    let (tau, sample) = (fields.duration("tau")?, fields.duration("sample")?);
-    Some(LagSpec { name, input, output, target, initial, tau, sample, switches: switches? })
-}
-
-fn target(fields: &Fields, node: &Node, digital: bool, unit: &str, out: &mut Findings) -> Option<LagTarget> {
-    let (own, other) =
-        if digital { (["low", "high"], ["offset", "gain"]) } else { (["offset", "gain"], ["low", "high"]) };
-    let kind = if digital { "a digital" } else { "an analog" };
-    for entry in other.iter().filter_map(|key| fields.entry(key)) {
-        let message = format!("a lag with {kind} input has no `{}`", entry.key);
-        let help = format!("say where it goes by `{}` and `{}`", own[0], own[1]);
-        out.error(codes::PLANT_TARGET, entry.key_span.clone(), message, help);
-    }
-    let mut numbers = [None; 2];
-    for (number, key) in numbers.iter_mut().zip(own) {
-        match fields.get(key) {
-            Some(node) => *number = number::quantity(node, if key == "gain" { "" } else { unit }, out),
-            None => {
-                let message = format!("a lag with {kind} input needs `{key}`");
-                out.error(codes::PLANT_TARGET, node.span.clone(), message, format!("add `{key}`"));
-            }
-        }
-    }
-    let [Some(first), Some(second)] = numbers else { return None };
-    Some(if digital {
-        LagTarget::Levels { low: first, high: second }
-    } else {
-        LagTarget::Linear { offset: first, gain: second }
-    })
-}
-
-/// `None` where one of them is wrong.
-fn switches(fields: &Fields, bench: &Bench, unit: &str, out: &mut Findings) -> Option<Vec<SwitchSpec>> {
-    let mut switches = Some(Vec::new());
-    for node in fields.each("switches") {
-        let Some(table) = node.as_table() else { continue };
-        let fields = Fields::check(table, node.span.clone(), "switch", keys::SWITCH, out);
-        let channel = fields.get("channel").and_then(|node| bench.channel(node, out));
-        let on = fields.get("on-above").and_then(|node| number::quantity(node, unit, out));
-        let off = fields.get("off-below").and_then(|node| number::quantity(node, unit, out));
-        match (channel, on, off, &mut switches) {
-            (Some(channel), Some(on_above), Some(off_below), Some(list)) => {
-                list.push(SwitchSpec { channel, on_above, off_below });
-            }
-            _ => switches = None,
-        }
-    }
-    switches
 }
 
 /// The trouble that the board is to make by itself.
@@ -186,10 +109,12 @@ pub(super) fn circuit(bench: &Bench, wires: &[&Node], plants: &[&Node], out: &mu
                 (codes::BOUNCE, "after an even number of edges the line is where it belongs".into())
             }
             CircuitFault::BounceTime => (codes::BOUNCE, "make `over` longer, or take fewer edges".into()),
-            CircuitFault::Loop => (codes::RING, "give one wire of the ring a `delay`".into()),
+            CircuitFault::Loop => (
+                codes::RING,
+                "give one wire of the ring a `delay`, or put a plant with a time constant into it".into(),
+            ),
             CircuitFault::NotFinite => (codes::UNREADABLE, String::new()),
             CircuitFault::NoHysteresis => (codes::HYSTERESIS, "make `off-below` less than `on-above`".into()),
-            CircuitFault::TargetKind => (codes::PLANT_TARGET, String::new()),
         };
         out.error(code, span, fault.to_string(), help);
     }

@@ -1,9 +1,194 @@
 //! First-order lag with comparators, in closed form.
 
-use signal::{Span, Time, Value};
+use std::sync::Arc;
 
-use super::Plant;
-use crate::circuit::{LagSpec, LagTarget};
+use document::{KeySpec, KeyType};
+use signal::{Random, Span, Time, Value};
+
+use super::{PlantKind, PlantReader, SwitchSpec, reader, switches};
+use crate::channel::ChannelId;
+use crate::circuit::{CircuitFault, Plant, PlantInput, PlantPort, PlantSpec};
+use crate::codes;
+use crate::course::{Course, span_seconds};
+
+pub(super) const LOW: KeySpec =
+    KeySpec::optional("low", KeyType::Quantity, "Where it goes while a digital input is 0");
+pub(super) const HIGH: KeySpec =
+    KeySpec::optional("high", KeyType::Quantity, "Where it goes while a digital input is 1");
+pub(super) const OFFSET: KeySpec =
+    KeySpec::optional("offset", KeyType::Quantity, "Where it goes while an analog input is 0");
+pub(super) const GAIN: KeySpec =
+    KeySpec::optional("gain", KeyType::Number, "How much further it goes for each unit of an analog input");
+pub(super) const TAU: KeySpec = KeySpec::required("tau", KeyType::Duration, "Time constant");
+
+pub(super) const KIND: PlantKind = PlantKind {
+    name: "lag",
+    keys: &[
+        reader::INPUT,
+        reader::OUTPUT,
+        LOW,
+        HIGH,
+        OFFSET,
+        GAIN,
+        reader::INITIAL,
+        TAU,
+        reader::SAMPLE,
+        switches::SWITCHES,
+    ],
+    read,
+};
+
+/// What a lag strives for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LagTarget {
+    /// For a digital input: `low` while it is 0 or undriven, `high` while it is 1.
+    Levels {
+        /// In the output's unit.
+        low: f64,
+        /// In the output's unit.
+        high: f64,
+    },
+    /// For an analog input `x`: `offset + gain x`.
+    Linear {
+        /// In the output's unit.
+        offset: f64,
+        /// Output's unit per input's unit.
+        gain: f64,
+    },
+}
+
+impl LagTarget {
+    /// Where an input sends it.
+    pub(super) fn of(&self, input: Value) -> f64 {
+        match *self {
+            LagTarget::Levels { low, high } => {
+                if input == Value::Bool(true) {
+                    high
+                } else {
+                    low
+                }
+            }
+            LagTarget::Linear { offset, gain } => offset + gain * input.as_real().unwrap_or(0.0),
+        }
+    }
+
+    /// Where no input sends it.
+    pub(super) fn lowest(&self) -> f64 {
+        match *self {
+            LagTarget::Levels { low, .. } => low,
+            LagTarget::Linear { offset, .. } => offset,
+        }
+    }
+
+    /// The terminal of its input.
+    pub(super) fn port(&self, input: ChannelId) -> PlantPort {
+        match self {
+            LagTarget::Levels { .. } => PlantPort::level(input),
+            LagTarget::Linear { .. } => PlantPort::quantity(input),
+        }
+    }
+
+    pub(super) fn is_finite(&self) -> bool {
+        let (LagTarget::Levels { low: one, high: other } | LagTarget::Linear { offset: one, gain: other }) =
+            self;
+        one.is_finite() && other.is_finite()
+    }
+}
+
+/// A first-order lag: an oven, a filter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LagSpec {
+    /// Name for messages.
+    pub name: String,
+    /// The channel that drives it.
+    pub input: ChannelId,
+    /// The analog channel that carries its sampled value.
+    pub output: ChannelId,
+    /// Where the input sends it.
+    pub target: LagTarget,
+    /// Value at the start.
+    pub initial: f64,
+    /// Time constant, above 0.
+    pub tau: Span,
+    /// Time between two samples of the output, above 0.
+    pub sample: Span,
+    /// Comparators on its value.
+    pub switches: Vec<SwitchSpec>,
+}
+
+impl PlantSpec for LagSpec {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn inputs(&self) -> Vec<PlantPort> {
+        vec![self.target.port(self.input)]
+    }
+
+    fn outputs(&self) -> Vec<PlantPort> {
+        std::iter::once(PlantPort::quantity(self.output)).chain(switches::ports(&self.switches)).collect()
+    }
+
+    fn check(&self) -> Vec<(Option<usize>, CircuitFault)> {
+        let mut faults = switches::check(&self.switches);
+        if !(self.target.is_finite() && self.initial.is_finite()) {
+            faults.insert(0, (None, CircuitFault::NotFinite));
+        } else if self.tau <= Span::ZERO || self.sample <= Span::ZERO {
+            faults.insert(0, (None, CircuitFault::BadTime));
+        }
+        faults
+    }
+
+    fn build(&self, _random: Random) -> Box<dyn Plant> {
+        Box::new(Lag::new(self))
+    }
+}
+
+fn read(reader: &mut PlantReader<'_, '_>) -> Option<Arc<dyn PlantSpec>> {
+    let (input, output) = (reader.channel("input"), reader.quantity("output"));
+    let ((input, of), (output, unit)) = (input?, output?);
+    let target = target(reader, of.is_none(), &unit, "lag");
+    let initial = reader.has("initial").then(|| reader.number("initial", &unit));
+    let switches = switches::read(reader, &unit);
+    let target = target?;
+    let initial = initial.unwrap_or(Some(target.lowest()))?;
+    // Times of 0 are found with the board as a whole.
+    let (tau, sample) = (reader.any_duration("tau")?, reader.any_duration("sample")?);
+    let name = reader.name();
+    Some(Arc::new(LagSpec { name, input, output, target, initial, tau, sample, switches: switches? }))
+}
+
+/// Where the input of a plant sends it: by `low` and `high`, or by `offset` and `gain`.
+pub(super) fn target(
+    reader: &mut PlantReader<'_, '_>,
+    digital: bool,
+    unit: &str,
+    what: &str,
+) -> Option<LagTarget> {
+    let (own, other) =
+        if digital { (["low", "high"], ["offset", "gain"]) } else { (["offset", "gain"], ["low", "high"]) };
+    let kind = if digital { "a digital" } else { "an analog" };
+    for key in other {
+        let message = format!("a {what} with {kind} input has no `{key}`");
+        let help = format!("say where it goes by `{}` and `{}`", own[0], own[1]);
+        reader.error_of_key(key, codes::PLANT_TARGET, message, &help);
+    }
+    let mut numbers = [None; 2];
+    for (number, key) in numbers.iter_mut().zip(own) {
+        if reader.has(key) {
+            *number = reader.number(key, if key == "gain" { "" } else { unit });
+        } else {
+            let message = format!("a {what} with {kind} input needs `{key}`");
+            reader.error(key, codes::PLANT_TARGET, message, &format!("add `{key}`"));
+        }
+    }
+    let [Some(first), Some(second)] = numbers else { return None };
+    Some(if digital {
+        LagTarget::Levels { low: first, high: second }
+    } else {
+        LagTarget::Linear { offset: first, gain: second }
+    })
+}
 
 /// Time constants after which the value is the target.
 const SETTLED: i64 = 40;
@@ -39,7 +224,7 @@ struct Switch {
 impl Lag {
     /// The lag of a checked description, not started.
     pub fn new(spec: &LagSpec) -> Self {
-        let switch = |spec: &crate::circuit::SwitchSpec| Switch {
+        let switch = |spec: &SwitchSpec| Switch {
             on_above: spec.on_above,
             off_below: spec.off_below,
             on: false,
@@ -70,19 +255,6 @@ impl Lag {
             return self.target;
         }
         self.target + (self.from - self.target) * libm::exp(-(elapsed as f64) / self.tau.as_nanos() as f64)
-    }
-
-    fn aim(&self, input: Value) -> f64 {
-        match self.target_of {
-            LagTarget::Levels { low, high } => {
-                if input == Value::Bool(true) {
-                    high
-                } else {
-                    low
-                }
-            }
-            LagTarget::Linear { offset, gain } => offset + gain * input.as_real().unwrap_or(0.0),
-        }
     }
 
     /// The first nanosecond after `since` at which the value has reached `level` on its way to the target.
@@ -141,7 +313,7 @@ impl Plant for Lag {
         self.started = now;
         self.since = now;
         self.from = self.initial;
-        self.target = self.aim(Value::HighZ);
+        self.target = self.target_of.of(Value::HighZ);
         self.outputs[0] = Value::Real(self.initial);
         for (switch, output) in self.switches.iter_mut().zip(&mut self.outputs[1..]) {
             switch.on = self.initial >= switch.on_above;
@@ -152,8 +324,8 @@ impl Plant for Lag {
         self.plan_sample(now);
     }
 
-    fn input(&mut self, now: Time, _port: usize, value: Value) {
-        let target = self.aim(value);
+    fn input(&mut self, now: Time, _port: usize, input: &PlantInput) {
+        let target = self.target_of.of(input.value);
         if target == self.target || !target.is_finite() {
             return;
         }
@@ -190,5 +362,9 @@ impl Plant for Lag {
 
     fn outputs(&self) -> &[Value] {
         &self.outputs
+    }
+
+    fn course(&self, output: usize) -> Option<Course> {
+        (output == 0).then(|| Course::lag(self.since, self.from, self.target, span_seconds(self.tau)))
     }
 }

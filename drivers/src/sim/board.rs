@@ -3,20 +3,23 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use signal::{CanFrame, SerialOutput, SerialSettings, Span, Time, Value, When};
+use signal::{CanFrame, Random, SerialOutput, SerialSettings, Span, Time, Value, When};
 
 use super::buses::SimulatedBuses;
 use super::checks;
 use super::line::{Line, MAX_FAULTS};
-use super::links::{Links, PlantAt};
+use super::links::{Links, PlantAt, PlantEnd};
 use super::tally::Tallies;
 use super::wire::Wire;
-use crate::board::{self, Board, BoardError, FaultInjection};
+use crate::board::{self, Board, BoardError, FaultInjection, PlantParameters};
 use crate::bus::{Bus, BusEvent, BusId};
 use crate::channel::{Channel, ChannelId, Fault};
-use crate::circuit::{Circuit, CircuitError, CircuitFault, CircuitPart, PlantSpec, fit};
+use crate::circuit::{Circuit, CircuitError, CircuitFault, PlantInput, PlantSpec, fit};
+use crate::course::Course;
 use crate::event::{BoardEvent, Health, LossReason, Origin};
-use crate::plant::{Lag, Plant};
+
+/// The first lane of the seed that a plant draws from.
+const PLANT_LANES: u64 = 1 << 32;
 
 /// The most changes of one call, the most unreported events, and the most changes on their way through delays.
 pub const MAX_PENDING: u32 = 1 << 20;
@@ -63,7 +66,7 @@ impl SimulatedBoard {
         if let Some(error) = circuit.check().first() {
             return Err(*error);
         }
-        let loops = |wire| CircuitError { part: CircuitPart::Wire(wire), fault: CircuitFault::Loop };
+        let loops = |part| CircuitError { part, fault: CircuitFault::Loop };
         let ranks = circuit.order().map_err(loops)?;
         let mut board = SimulatedBoard {
             channels: circuit.channels.iter().map(checks::channel).collect(),
@@ -93,11 +96,10 @@ impl SimulatedBoard {
         for spec in &circuit.wires {
             board.add_wire(Wire::new(*spec, seed, board.wires.len() as u64));
         }
-        for PlantSpec::Lag(spec) in &circuit.plants {
-            let switches = spec.switches.iter().map(|switch| switch.channel);
-            let outputs = std::iter::once(spec.output).chain(switches).collect();
-            board.add_plant(Box::new(Lag::new(spec)), &[spec.input], outputs);
+        for spec in &circuit.plants {
+            board.add_plant(spec.as_ref());
         }
+        board.find_rings();
         for (place, tally) in circuit.tallies.iter().enumerate() {
             board.links[usize::from(tally.channel.0)].tally = Some(place);
             for signal in tally.signals() {
@@ -114,16 +116,57 @@ impl SimulatedBoard {
         self.wires.push(wire);
     }
 
-    fn add_plant(&mut self, plant: Box<dyn Plant>, inputs: &[ChannelId], outputs: Vec<ChannelId>) {
+    fn add_plant(&mut self, spec: &dyn PlantSpec) {
         let place = self.plants.len();
-        for (port, input) in inputs.iter().enumerate() {
-            self.links[usize::from(input.0)].plants_out.push((place, port));
+        for (port, input) in spec.inputs().iter().enumerate() {
+            let end = PlantEnd { plant: place, port, takes_courses: true };
+            self.links[usize::from(input.channel.0)].plants_out.push(end);
         }
+        let outputs: Vec<ChannelId> = spec.outputs().iter().map(|port| port.channel).collect();
         for (port, output) in outputs.iter().enumerate() {
             self.links[usize::from(output.0)].plants_in.push((place, port));
         }
         let driving = vec![Value::HighZ; outputs.len()];
-        self.plants.push(PlantAt { plant, outputs, driving });
+        // Wires draw from the lanes before these.
+        let random = Random::lane(self.seed, PLANT_LANES + place as u64);
+        self.plants.push(PlantAt { plant: spec.build(random), outputs, driving });
+    }
+
+    /// Finds out which plants take how their lines go on: those from which no way over lines leads back to the plant that
+    /// drives the line.
+    fn find_rings(&mut self) {
+        let after = |plant: usize| {
+            let lines = self.plants[plant].outputs.iter();
+            lines.flat_map(|line| self.links[usize::from(line.0)].plants_out.iter().map(|end| end.plant))
+        };
+        let mut rings = Vec::new();
+        for (line, links) in self.links.iter().enumerate() {
+            for (place, end) in links.plants_out.iter().enumerate() {
+                let (mut seen, mut waiting) = (vec![false; self.plants.len()], vec![end.plant]);
+                while let Some(plant) = waiting.pop() {
+                    if !std::mem::replace(&mut seen[plant], true) {
+                        waiting.extend(after(plant));
+                    }
+                }
+                if links.plants_in.iter().any(|(plant, _)| seen[*plant]) {
+                    rings.push((line, place));
+                }
+            }
+        }
+        for (line, place) in rings {
+            self.links[line].plants_out[place].takes_courses = false;
+        }
+    }
+
+    /// How a line goes on, where one plant drives it and nothing else has a say.
+    fn course(&self, place: usize) -> Option<Course> {
+        let (links, line) = (&self.links[place], &self.lines[place]);
+        let [(plant, port)] = links.plants_in[..] else { return None };
+        let alone = links.wires_in.is_empty() && line.driven == Value::HighZ && !line.has_faults();
+        if !alone || links.plants_out.is_empty() {
+            return None;
+        }
+        self.plants[plant].plant.course(port).filter(Course::is_finite)
     }
 
     /// What a device on the line reads now: as the last poll at the time of the last call would have reported.
@@ -169,7 +212,10 @@ impl SimulatedBoard {
             let line = &mut self.lines[place];
             self.health.contentions += u64::from(contended && !line.contended);
             line.contended = contended;
-            if line.update(now, raw) {
+            let changed = line.update(now, raw);
+            let course = self.course(place);
+            if changed || course != self.links[place].course {
+                self.links[place].course = course;
                 self.carry(now, place);
             }
             self.stale |= self.lines[place].waiting() > 0;
@@ -188,9 +234,11 @@ impl SimulatedBoard {
             self.stale |= self.wires[wire].waiting() > 0;
         }
         for link in 0..self.links[place].plants_out.len() {
-            let (plant, port) = self.links[place].plants_out[link];
-            self.plants[plant].plant.input(now, port, level);
+            let PlantEnd { plant, port, takes_courses } = self.links[place].plants_out[link];
+            let course = self.links[place].course.filter(|_| takes_courses);
+            self.plants[plant].plant.input(now, port, &PlantInput { value: level, course });
             self.stale = true;
+            self.drive_from(plant);
         }
         for link in 0..self.links[place].tallies_out.len() {
             let count = self.links[place].tallies_out[link];
@@ -259,14 +307,21 @@ impl SimulatedBoard {
         self.settle(now);
     }
 
-    /// Takes a plant's outputs over to its lines.
+    /// Takes a plant's outputs over to its lines, and how they go on.
     fn drive_from(&mut self, plant: usize) {
         for port in 0..self.plants[plant].outputs.len() {
             let at = &mut self.plants[plant];
-            let value = at.plant.outputs().get(port).copied().unwrap_or(Value::HighZ);
-            if std::mem::replace(&mut at.driving[port], value) != value {
-                let line = usize::from(at.outputs[port].0);
+            let value = match at.plant.outputs().get(port).copied().unwrap_or(Value::HighZ) {
+                // What no number can hold leaves the line as it is.
+                Value::Real(number) if !number.is_finite() => at.driving[port],
+                value => value,
+            };
+            let line = usize::from(at.outputs[port].0);
+            let moved = std::mem::replace(&mut at.driving[port], value) != value;
+            if moved {
                 self.mark(line, Origin::Plant);
+            } else if self.course(line) != self.links[line].course {
+                self.mark(line, self.lines[line].origin);
             }
         }
     }
@@ -279,7 +334,8 @@ impl SimulatedBoard {
             let plants = self.plants.iter().filter_map(|at| at.plant.next_event());
             self.next = wires.chain(lines).chain(plants).min().unwrap_or(Time::MAX);
             let on_their_way: usize = self.wires.iter().map(Wire::waiting).sum::<usize>()
-                + self.lines.iter().map(Line::waiting).sum::<usize>();
+                + self.lines.iter().map(Line::waiting).sum::<usize>()
+                + self.plants.iter().map(|at| at.plant.waiting()).sum::<usize>();
             if on_their_way > MAX_PENDING as usize {
                 return self.storm();
             }
@@ -356,6 +412,7 @@ impl SimulatedBoard {
         self.health.contentions = self.lines.iter().map(|line| u64::from(line.contended)).sum();
         for place in order {
             self.announce[place] = self.channels[place].senses;
+            self.links[place].course = self.course(place);
             self.carry(now, place);
             self.mark(place, Origin::Write);
         }
@@ -460,6 +517,10 @@ impl Board for SimulatedBoard {
         self.health
     }
 
+    fn plant_parameters(&mut self) -> Option<&mut dyn PlantParameters> {
+        Some(self)
+    }
+
     fn faults(&self) -> Option<&dyn FaultInjection> {
         Some(self)
     }
@@ -474,6 +535,28 @@ impl Board for SimulatedBoard {
 
     fn buses_mut(&mut self) -> Option<&mut dyn board::Buses> {
         Some(self)
+    }
+}
+
+impl PlantParameters for SimulatedBoard {
+    fn set_parameter(
+        &mut self,
+        now: Time,
+        plant: usize,
+        parameter: usize,
+        value: f64,
+    ) -> Result<(), BoardError> {
+        if self.health.latched_safe {
+            return Err(BoardError::Latched);
+        }
+        if plant >= self.plants.len() {
+            return Err(BoardError::NoPlant(plant));
+        }
+        self.advance(now, false)?;
+        self.plants[plant].plant.set(now, parameter, value);
+        self.stale = true;
+        self.drive_from(plant);
+        self.finish(now)
     }
 }
 

@@ -40,7 +40,7 @@ const TABLES: &[Said] = &[
     ("boards/file", "subject", "key", Board, &["subject"]),
     ("boards/file", "channels", "key", Board, &["channels.*"]),
     ("boards/file", "wires", "key", Board, &["wires.*"]),
-    ("boards/file", "plants", "key", Board, &["plants.*"]),
+    ("boards/plants", "lag", "key", Board, &["plants.*"]),
     ("boards/file", "control", "key", Board, &["control"]),
     ("boards/generators", "Generators", "key of a generator", Board, &["generators.*"]),
     ("boards/generators", "Generators", "key of a channel", Board, &["channels.*"]),

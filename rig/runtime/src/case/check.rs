@@ -10,7 +10,6 @@ use crate::schedule::{Act, PlannedStep, Timing};
 use crate::subject::Subject;
 use crate::suite::case_files::CaseFiles;
 use document::Diagnostic;
-use drivers::circuit::PlantSpec;
 use drivers::{Board, BoardFile, ChannelId};
 use plans::bench::{Doubt, SignalBounds, doubt};
 use plans::expect::{ClaimDemand, Expectation};
@@ -302,10 +301,8 @@ impl MovableChannels {
             moved.mark(binding.channel);
         }
         file.circuit.wires.iter().for_each(|wire| moved.mark(wire.to));
-        for PlantSpec::Lag(lag) in &file.circuit.plants {
-            moved.mark(lag.output);
-            lag.switches.iter().for_each(|switch| moved.mark(switch.channel));
-        }
+        let driven = file.circuit.plants.iter().flat_map(|plant| plant.outputs());
+        driven.for_each(|port| moved.mark(port.channel));
         for step in steps {
             for (_, act) in &step.acts {
                 match act {

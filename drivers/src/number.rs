@@ -3,16 +3,16 @@
 use document::{Data, Findings, KeyType, Node};
 use signal::{Decimal, Quantity, Unit};
 
-use super::codes;
+use crate::codes;
 
 /// The number of a value in the unit `unit`; where the value has a unit, it must be one of the same kind.
 /// Reports what is wrong.
-pub(super) fn quantity(node: &Node, unit: &str, out: &mut Findings) -> Option<f64> {
+pub(crate) fn quantity(node: &Node, unit: &str, out: &mut Findings) -> Option<f64> {
     quantity_under(node, unit, codes::UNIT, out)
 }
 
 /// The same of another file than a board file, whose code for a unit of another kind is `code`.
-pub(super) fn quantity_under(node: &Node, unit: &str, code: &'static str, out: &mut Findings) -> Option<f64> {
+pub(crate) fn quantity_under(node: &Node, unit: &str, code: &'static str, out: &mut Findings) -> Option<f64> {
     exact(node, unit, code, out).map(Decimal::as_f64)
 }
 
@@ -54,7 +54,7 @@ fn exact(node: &Node, unit: &str, code: &'static str, out: &mut Findings) -> Opt
 }
 
 /// A chance in millionths. Reports one that is none.
-pub(super) fn chance(node: &Node, out: &mut Findings) -> Option<u32> {
+pub(crate) fn chance(node: &Node, out: &mut Findings) -> Option<u32> {
     let chance = exact(node, "", codes::UNIT, out)?;
     let millionths = chance.shifted(6).as_whole().and_then(|number| u32::try_from(number).ok());
     let right = millionths.filter(|number| *number <= 1_000_000);

@@ -1,0 +1,123 @@
+//! What the readers of plants share: keys of a table as channels, numbers and durations, with what is wrong reported.
+
+use document::{Fields, Findings, KeySpec, KeyType, Node};
+use signal::Span;
+
+use crate::channel::{ChannelId, ChannelKind};
+use crate::circuit::ChannelSpec;
+use crate::{codes, number};
+
+pub(super) const INPUT: KeySpec = KeySpec::required("input", KeyType::Text, "The channel that drives it");
+pub(super) const OUTPUT: KeySpec =
+    KeySpec::required("output", KeyType::Text, "The analog channel that carries its value");
+pub(super) const INITIAL: KeySpec = KeySpec::optional(
+    "initial",
+    KeyType::Quantity,
+    "Value at the start; where it is without any input if left out",
+);
+pub(super) const SAMPLE: KeySpec =
+    KeySpec::required("sample", KeyType::Duration, "Time between two samples of the output");
+
+/// The channels of a board that is read.
+pub(crate) trait ChannelNames {
+    /// The channel that a text names; reports one that is not there.
+    fn channel(&self, node: &Node, out: &mut Findings) -> Option<ChannelId>;
+    /// What it is.
+    fn spec(&self, channel: ChannelId) -> &ChannelSpec;
+}
+
+/// The table of a plant, or one within it. Its methods report what is wrong with a value, and nothing where a key is left out.
+pub(crate) struct PlantReader<'a, 'n> {
+    fields: Fields<'n>,
+    node: &'n Node,
+    names: &'a dyn ChannelNames,
+    out: &'a mut Findings,
+}
+
+impl<'a, 'n> PlantReader<'a, 'n> {
+    pub(super) fn new(
+        fields: Fields<'n>,
+        node: &'n Node,
+        names: &'a dyn ChannelNames,
+        out: &'a mut Findings,
+    ) -> Self {
+        PlantReader { fields, node, names, out }
+    }
+
+    pub(super) fn name(&self) -> String {
+        self.fields.text("name").unwrap_or_default().to_owned()
+    }
+
+    pub(super) fn has(&self, key: &str) -> bool {
+        self.fields.has(key)
+    }
+
+    /// Reports at a key, or at the table where it is left out.
+    pub(super) fn error(&mut self, key: &str, code: &'static str, message: String, help: &str) {
+        let entry = self.fields.table().entry(key);
+        let span = entry.map_or_else(|| self.node.span.clone(), |entry| entry.node.span.clone());
+        self.out.error(code, span, message, help);
+    }
+
+    /// Reports at the name of a key that is there.
+    pub(super) fn error_of_key(&mut self, key: &str, code: &'static str, message: String, help: &str) {
+        if let Some(entry) = self.fields.table().entry(key) {
+            self.out.error(code, entry.key_span.clone(), message, help);
+        }
+    }
+
+    /// The channel of a key, with whether it is digital and its unit.
+    pub(super) fn channel(&mut self, key: &str) -> Option<(ChannelId, Option<String>)> {
+        let id = self.names.channel(self.fields.get(key)?, self.out)?;
+        match &self.names.spec(id).kind {
+            ChannelKind::Digital => Some((id, None)),
+            ChannelKind::Analog { unit } => Some((id, Some(unit.clone()))),
+            ChannelKind::Count => {
+                let message = String::from("a plant has nothing to do with a count");
+                self.error(key, codes::PLANT_CHANNEL, message, "name a digital or an analog channel");
+                None
+            }
+        }
+    }
+
+    /// The analog channel of a key, with its unit.
+    pub(super) fn quantity(&mut self, key: &str) -> Option<(ChannelId, String)> {
+        let (id, unit) = self.channel(key)?;
+        if unit.is_none() {
+            let message = format!("`{key}` needs an analog channel");
+            let help = "describe an analog channel under `channels` and name it here";
+            self.error(key, codes::PLANT_CHANNEL, message, help);
+        }
+        unit.map(|unit| (id, unit))
+    }
+
+    /// The number of a key in the unit of its channel.
+    pub(super) fn number(&mut self, key: &str, unit: &str) -> Option<f64> {
+        number::quantity(self.fields.get(key)?, unit, self.out)
+    }
+
+    /// A duration, 0 included.
+    pub(super) fn any_duration(&self, key: &str) -> Option<Span> {
+        self.fields.duration(key)
+    }
+
+    /// The entries of a list of tables with these keys. `None` where one of them is wrong.
+    pub(super) fn each<T>(
+        &mut self,
+        key: &str,
+        keys: &'static [KeySpec],
+        mut read: impl FnMut(&mut PlantReader<'_, '_>) -> Option<T>,
+    ) -> Option<Vec<T>> {
+        let mut list = Some(Vec::new());
+        for node in self.fields.each(key) {
+            let Some(table) = node.as_table() else { continue };
+            let fields = Fields::checked(table, keys);
+            let one = read(&mut PlantReader { fields, node, names: self.names, out: &mut *self.out });
+            match (one, &mut list) {
+                (Some(one), Some(list)) => list.push(one),
+                _ => list = None,
+            }
+        }
+        list
+    }
+}
