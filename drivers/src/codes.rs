@@ -136,6 +136,8 @@ document::codes! {
     TIME = "B0504", "A time must be above 0";
     HYSTERESIS = "B0505", "A switch goes off where it goes on, or above";
     PLANT_KEY = "B0506", "A key belongs to another kind of plant";
+    PLANT_RANGE = "B0507", "A number of a plant is out of its range";
+    PLANT_UNIT = "B0508", "A quantity of a plant is of another kind";
     CHANCE = "B0601", "A chance is not between 0 and 1";
 }
 

@@ -10,6 +10,7 @@ mod faults;
 mod generating;
 mod gpio;
 mod lines;
+mod plant_kinds;
 mod plants;
 mod relays;
 mod scripted;

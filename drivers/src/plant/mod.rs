@@ -1,8 +1,11 @@
 //! Plants: what the controller's outputs act on and its inputs come from. A kind of plant is a file with its keys, its
 //! reader and its law, and a line in [`KINDS`].
 
+mod heater;
 mod lag;
 mod reader;
+mod sampled;
+mod second_order;
 mod switches;
 
 use std::sync::Arc;
@@ -28,7 +31,7 @@ pub(crate) struct PlantKind {
 }
 
 /// Every kind of plant, in alphabetical order.
-const KINDS: &[PlantKind] = &[lag::KIND];
+const KINDS: &[PlantKind] = &[heater::KIND, lag::KIND, second_order::KIND];
 
 const NAMES: [&str; KINDS.len()] = {
     let mut names = [""; KINDS.len()];

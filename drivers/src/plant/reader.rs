@@ -1,10 +1,11 @@
 //! What the readers of plants share: keys of a table as channels, numbers and durations, with what is wrong reported.
 
-use document::{Fields, Findings, KeySpec, KeyType, Node};
-use signal::Span;
+use document::{Data, Fields, Findings, KeySpec, KeyType, Node};
+use signal::{Quantity, Span};
 
 use crate::channel::{ChannelId, ChannelKind};
 use crate::circuit::ChannelSpec;
+use crate::measure::Dimension;
 use crate::{codes, number};
 
 pub(super) const INPUT: KeySpec = KeySpec::required("input", KeyType::Text, "The channel that drives it");
@@ -96,9 +97,52 @@ impl<'a, 'n> PlantReader<'a, 'n> {
         number::quantity(self.fields.get(key)?, unit, self.out)
     }
 
+    /// The number of a key by what it measures, which has to lie within these limits.
+    pub(super) fn measure(&mut self, key: &str, dimension: &Dimension, least: f64, most: f64) -> Option<f64> {
+        let node = self.fields.get(key)?;
+        let read = match &node.data {
+            Data::Integer(number) => Quantity::parse(&number.to_string()).ok(),
+            Data::Float(text) | Data::Text(text) => Quantity::parse(text).ok(),
+            _ => None,
+        };
+        let Some(read) = read else {
+            let help = format!("write {}", dimension.example());
+            self.out.bad(codes::UNREADABLE, node, "this does not read as a finite number", help);
+            return None;
+        };
+        let Some(number) = dimension.number(&read) else {
+            let message = format!("`{key}` cannot be {read}");
+            self.error(key, codes::PLANT_UNIT, message, &format!("write {}", dimension.example()));
+            return None;
+        };
+        if !(least..=most).contains(&number) {
+            let message = format!("`{key}` is out of its range");
+            let help = match dimension {
+                Dimension::Of(unit) if most < f64::MAX => format!("write {least} to {most} {unit}"),
+                Dimension::Plain => format!("write {least} to {most}"),
+                Dimension::Part => format!("write {} to {} %", least * 100.0, most * 100.0),
+                _ => format!("write {}", dimension.example()),
+            };
+            self.error(key, codes::PLANT_RANGE, message, &help);
+            return None;
+        }
+        Some(number)
+    }
+
     /// A duration, 0 included.
     pub(super) fn any_duration(&self, key: &str) -> Option<Span> {
         self.fields.duration(key)
+    }
+
+    /// A duration above 0.
+    pub(super) fn duration(&mut self, key: &str) -> Option<Span> {
+        let span = self.fields.duration(key)?;
+        if span <= Span::ZERO {
+            let message = format!("`{key}` is not above 0");
+            self.error(key, codes::TIME, message, "write a duration above 0");
+            return None;
+        }
+        Some(span)
     }
 
     /// The entries of a list of tables with these keys. `None` where one of them is wrong.

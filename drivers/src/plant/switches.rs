@@ -1,10 +1,12 @@
 //! Comparators with hysteresis on the value of a plant.
 
 use document::{KeySpec, KeyType};
+use signal::{Time, Value};
 
 use super::PlantReader;
 use crate::channel::ChannelId;
 use crate::circuit::{CircuitFault, PlantPort};
+use crate::course::Course;
 
 /// A comparator with hysteresis on the value of a plant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,4 +56,75 @@ pub(super) fn check(list: &[SwitchSpec]) -> Vec<(Option<usize>, CircuitFault)> {
         }
     };
     list.iter().enumerate().filter_map(|(place, switch)| Some((Some(place), fault(switch)?))).collect()
+}
+
+/// A comparator at work.
+#[derive(Clone, Copy, Debug)]
+struct Switch {
+    on_above: f64,
+    off_below: f64,
+    on: bool,
+    flips: Option<Time>,
+}
+
+/// The comparators of a plant at work.
+#[derive(Clone, Debug)]
+pub(super) struct Switches {
+    list: Vec<Switch>,
+}
+
+impl Switches {
+    pub(super) fn new(list: &[SwitchSpec]) -> Switches {
+        let switch = |spec: &SwitchSpec| Switch {
+            on_above: spec.on_above,
+            off_below: spec.off_below,
+            on: false,
+            flips: None,
+        };
+        Switches { list: list.iter().map(switch).collect() }
+    }
+
+    /// At the start each is on where the value has reached its upper threshold.
+    pub(super) fn start(&mut self, value: f64, outputs: &mut [Value]) {
+        for (switch, output) in self.list.iter_mut().zip(outputs) {
+            switch.on = value >= switch.on_above;
+            switch.flips = None;
+            *output = Value::Bool(switch.on);
+        }
+    }
+
+    /// The value goes on by this course from `now`.
+    pub(super) fn plan(&mut self, now: Time, course: &Course) {
+        for switch in &mut self.list {
+            // A flip that is due at the very instant of the change still happens then.
+            if switch.flips.is_some_and(|due| due <= now) {
+                continue;
+            }
+            switch.flips = switch.next(now, course);
+        }
+    }
+
+    pub(super) fn next(&self) -> Option<Time> {
+        self.list.iter().filter_map(|switch| switch.flips).min()
+    }
+
+    /// Lets flip what is due at `now`.
+    pub(super) fn advance(&mut self, now: Time, course: &Course, outputs: &mut [Value]) {
+        for (switch, output) in self.list.iter_mut().zip(outputs) {
+            if switch.flips.is_some_and(|due| due <= now) {
+                switch.on = !switch.on;
+                switch.flips = switch.next(now, course);
+                *output = Value::Bool(switch.on);
+            }
+        }
+    }
+}
+
+impl Switch {
+    fn next(&self, now: Time, course: &Course) -> Option<Time> {
+        match self.on {
+            false => course.rises_to(self.on_above, now),
+            true => course.falls_to(self.off_below, now),
+        }
+    }
 }

@@ -41,6 +41,8 @@ const TABLES: &[Said] = &[
     ("boards/file", "channels", "key", Board, &["channels.*"]),
     ("boards/file", "wires", "key", Board, &["wires.*"]),
     ("boards/plants", "lag", "key", Board, &["plants.*"]),
+    ("boards/plants", "second-order", "key", Board, &["plants.*"]),
+    ("boards/plants", "heater", "key", Board, &["plants.*"]),
     ("boards/file", "control", "key", Board, &["control"]),
     ("boards/generators", "Generators", "key of a generator", Board, &["generators.*"]),
     ("boards/generators", "Generators", "key of a channel", Board, &["channels.*"]),

@@ -1,0 +1,79 @@
+//! The analog value of a plant: its course, the samples that its output shows, and the comparators on it.
+
+use signal::{Span, Time, Value};
+
+use super::switches::{SwitchSpec, Switches};
+use crate::course::Course;
+
+/// Nanoseconds between two instants, held at the range and at 0.
+fn elapsed(from: Time, to: Time) -> i64 {
+    to.as_nanos().saturating_sub(from.as_nanos()).max(0)
+}
+
+/// A value that goes on by a course. Its output shows samples on a grid from the start, which end while the value stays.
+#[derive(Clone, Debug)]
+pub(super) struct SampledValue {
+    course: Course,
+    switches: Switches,
+    sample: Span,
+    started: Time,
+    next: Option<Time>,
+}
+
+impl SampledValue {
+    /// A value with these comparators; its outputs are the samples, then the comparators.
+    pub(super) fn new(sample: Span, switches: &[SwitchSpec]) -> SampledValue {
+        let course = Course::constant(Time::ZERO, 0.0);
+        SampledValue { course, switches: Switches::new(switches), sample, started: Time::ZERO, next: None }
+    }
+
+    pub(super) fn course(&self) -> &Course {
+        &self.course
+    }
+
+    pub(super) fn start(&mut self, now: Time, course: Course, outputs: &mut [Value]) {
+        self.started = now;
+        self.next = None;
+        let value = course.value(now);
+        outputs[0] = Value::Real(value);
+        self.switches.start(value, &mut outputs[1..]);
+        self.go_on(now, course, outputs[0]);
+    }
+
+    /// The value goes on by another course, from where it is; `shown` is what its output shows.
+    pub(super) fn go_on(&mut self, now: Time, course: Course, shown: Value) {
+        self.course = course;
+        self.switches.plan(now, &course);
+        // A sample that is due at the very instant of the change still comes then.
+        if self.next.is_none_or(|due| due > now) {
+            self.plan_sample(now, shown);
+        }
+    }
+
+    fn plan_sample(&mut self, now: Time, shown: Value) {
+        let settled = self.course.is_settled(now) && shown.as_real() == Some(self.course.value(now));
+        self.next = if settled { None } else { self.grid(now, 1) };
+    }
+
+    /// The instant of the grid so many samples after the last one up to `now`.
+    fn grid(&self, now: Time, more: i64) -> Option<Time> {
+        let sample = self.sample.as_nanos();
+        let at = (elapsed(self.started, now) / sample).checked_add(more)?.checked_mul(sample)?;
+        self.started.as_nanos().checked_add(at).map(Time::from_nanos)
+    }
+
+    pub(super) fn next(&self) -> Option<Time> {
+        self.next.into_iter().chain(self.switches.next()).min()
+    }
+
+    /// Shows what is due at `now`.
+    pub(super) fn advance(&mut self, now: Time, outputs: &mut [Value]) {
+        if self.next.is_some_and(|due| due <= now) {
+            // Where a call spans several samples the output is the newest of them.
+            let at = self.grid(now, 0).unwrap_or(now).max(self.course.since());
+            outputs[0] = Value::Real(self.course.value(at));
+            self.plan_sample(now, outputs[0]);
+        }
+        self.switches.advance(now, &self.course, &mut outputs[1..]);
+    }
+}
