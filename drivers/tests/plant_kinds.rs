@@ -2,8 +2,10 @@
 
 use crate::common::*;
 use document::SourceFile;
-use scanrig_drivers::{Board, BoardFile, Subject, Terminals, UnknownSubject, build, read};
+use scanrig_drivers::{Board, BoardExt, BoardFile, Subject, Terminals, UnknownSubject, build, read};
 use signal::{Address, Value};
+
+const S: i64 = 1_000_000_000;
 
 fn terminals(_: &Subject) -> Result<Terminals, UnknownSubject> {
     let addresses =
@@ -38,6 +40,97 @@ impl Bench {
         let channel = self.file.find(name).unwrap();
         changes(&poll(&mut *self.board, (seconds * 1e9) as i64), channel.0)
     }
+
+    fn set(&mut self, seconds: f64, parameter: &str, value: f64) {
+        let place =
+            self.file.circuit.plants[0].parameters().iter().position(|one| one.name == parameter).unwrap();
+        self.board.set_parameter(at((seconds * 1e9) as i64), 0, place, value).unwrap();
+    }
+}
+
+fn near(found: &[(i64, Value)], expected: &[(f64, Value)]) {
+    let right = found.len() == expected.len()
+        && found
+            .iter()
+            .zip(expected)
+            .all(|((at, value), (time, level))| value == level && (*at - (time * 1e9) as i64).abs() <= 3);
+    assert!(right, "{found:?} {expected:?}");
+}
+
+const TANK: &str = r#"
+channels = { level = { kind = "analog", unit = "m" }, full = { kind = "digital" }, half = { kind = "digital" } }
+[[plants]]
+kind = "tank"
+name = "tank"
+area = "0.1 m2"
+height = "1 m"
+inflows = [{ channel = "Q0", flow = "6 l/min" }]
+outflows = [{ channel = "Q1", flow = "12 l/min" }]
+output = "level"
+sample = "100 s"
+overflow = "full"
+switches = [{ channel = "half", on-above = "50 cm", off-below = 0.25 }]
+"#;
+
+#[test]
+fn a_tank_fills_overflows_and_empties() {
+    // 6 l/min into 0.1 m2 is 1 mm in a second.
+    let mut bench = Bench::new(TANK);
+    bench.write(1.0, "Q0", ON);
+    near(&bench.until(900.0, "half"), &[(501.0, ON)]);
+    near(&bench.until(1_100.0, "full"), &[(1_001.0, ON)]);
+    bench.write(1_100.0, "Q1", ON);
+    near(&bench.until(1_100.5, "full"), &[(1_100.0, OFF)]);
+    near(&bench.until(1_900.0, "half"), &[(1_850.0, OFF)]);
+    bench.write(1_900.0, "Q0", OFF);
+    let last = *bench.until(3_000.0, "level").last().unwrap();
+    assert!(last.0 <= 2_100 * S && last.1 == Value::Real(0.0), "{last:?}");
+    assert_eq!(bench.board.next_event(), None);
+}
+
+#[test]
+fn a_full_tank_with_as_much_in_as_out_does_not_overflow() {
+    // 0.1 + 0.2 is not 0.3 in binary: what is left is no flow.
+    let text = TANK
+        .replace(
+            "flow = \"12 l/min\" }",
+            "flow = \"0.1 l/min\" }, { channel = \"Q1\", flow = \"0.2 l/min\" }",
+        )
+        .replace("flow = \"6 l/min\"", "flow = \"0.3 l/min\"")
+        .replace("sample", "initial = \"1 m\"\nsample");
+    for first in ["Q0", "Q1"] {
+        let mut bench = Bench::new(&text);
+        bench.write(0.0, first, ON);
+        let other = if first == "Q0" { "Q1" } else { "Q0" };
+        bench.write(1e-9, other, ON);
+        let spilt = bench.until(10.0, "full");
+        assert!(spilt.last().is_none_or(|(_, level)| *level == OFF), "{first} {spilt:?}");
+    }
+}
+
+#[test]
+fn an_outflow_by_its_own_weight_goes_with_the_root_of_the_level() {
+    let text = TANK
+        .replace(
+            "{ channel = \"Q1\", flow = \"12 l/min\" }",
+            "{ channel = \"Q1\", flow = \"6 l/min\", at-level = \"1 m\" }",
+        )
+        .replace("sample", "initial = \"1 m\"\nsample");
+    let mut bench = Bench::new(&text);
+    bench.write(0.0, "Q1", ON);
+    // sqrt(h) = 1 - 0.0005 t.
+    near(&bench.until(1_900.0, "half"), &[(0.0, ON), (1_000.0, OFF)][1..]);
+    assert_eq!(bench.until(2_200.0, "level").last().unwrap().1, Value::Real(0.0));
+}
+
+#[test]
+fn a_started_board_is_as_at_the_start() {
+    let mut bench = Bench::new(TANK);
+    bench.set(0.0, "leak", 1.0);
+    bench.set(0.0, "inflow", 1.0);
+    bench.board.start(at(0)).unwrap();
+    bench.write(1.0, "Q0", ON);
+    near(&bench.until(900.0, "half"), &[(0.0, OFF), (501.0, ON)]);
 }
 
 #[test]

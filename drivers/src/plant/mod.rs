@@ -7,6 +7,7 @@ mod reader;
 mod sampled;
 mod second_order;
 mod switches;
+mod tank;
 
 use std::sync::Arc;
 
@@ -31,7 +32,7 @@ pub(crate) struct PlantKind {
 }
 
 /// Every kind of plant, in alphabetical order.
-const KINDS: &[PlantKind] = &[heater::KIND, lag::KIND, second_order::KIND];
+const KINDS: &[PlantKind] = &[heater::KIND, lag::KIND, second_order::KIND, tank::KIND];
 
 const NAMES: [&str; KINDS.len()] = {
     let mut names = [""; KINDS.len()];

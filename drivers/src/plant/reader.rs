@@ -53,6 +53,10 @@ impl<'a, 'n> PlantReader<'a, 'n> {
         self.fields.has(key)
     }
 
+    pub(super) fn text(&self, key: &str) -> Option<&'n str> {
+        self.fields.text(key)
+    }
+
     /// Reports at a key, or at the table where it is left out.
     pub(super) fn error(&mut self, key: &str, code: &'static str, message: String, help: &str) {
         let entry = self.fields.table().entry(key);
@@ -79,6 +83,18 @@ impl<'a, 'n> PlantReader<'a, 'n> {
                 None
             }
         }
+    }
+
+    /// The digital channel of a key.
+    pub(super) fn level(&mut self, key: &str) -> Option<ChannelId> {
+        let (id, unit) = self.channel(key)?;
+        if unit.is_some() {
+            let message = format!("`{key}` needs a digital channel");
+            let help = "name a terminal or a digital channel of `channels` here";
+            self.error(key, codes::PLANT_CHANNEL, message, help);
+            return None;
+        }
+        Some(id)
     }
 
     /// The analog channel of a key, with its unit.
@@ -127,6 +143,11 @@ impl<'a, 'n> PlantReader<'a, 'n> {
             return None;
         }
         Some(number)
+    }
+
+    /// How many entries a list has.
+    pub(super) fn count(&self, key: &str) -> usize {
+        self.fields.each(key).len()
     }
 
     /// A duration, 0 included.

@@ -42,6 +42,8 @@ const TABLES: &[Said] = &[
     ("boards/file", "wires", "key", Board, &["wires.*"]),
     ("boards/plants", "lag", "key", Board, &["plants.*"]),
     ("boards/plants", "second-order", "key", Board, &["plants.*"]),
+    ("boards/plants", "tank", "key", Board, &["plants.*"]),
+    ("boards/plants", "tank", "key of a flow", Board, &["plants.*.inflows.*", "plants.*.outflows.*"]),
     ("boards/plants", "heater", "key", Board, &["plants.*"]),
     ("boards/file", "control", "key", Board, &["control"]),
     ("boards/generators", "Generators", "key of a generator", Board, &["generators.*"]),
