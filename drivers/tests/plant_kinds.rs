@@ -124,6 +124,61 @@ fn an_outflow_by_its_own_weight_goes_with_the_root_of_the_level() {
 }
 
 #[test]
+fn a_valve_travels_to_its_set_point() {
+    let mut bench = Bench::new(
+        r#"
+[channels]
+setpoint = { kind = "analog", unit = "%" }
+position = { kind = "analog", unit = "%" }
+[[plants]]
+kind = "valve"
+name = "v"
+input = "setpoint"
+travel = "20 s"
+initial = "10 %"
+output = "position"
+sample = "1 s"
+opened = "I0"
+closed = "I1"
+reach = "5 %"
+"#,
+    );
+    bench.write(0.0, "setpoint", Value::Real(60.0));
+    assert_eq!(bench.until(5.0, "position").last(), Some(&(5 * S, Value::Real(35.0))));
+    assert_eq!(bench.until(30.0, "position").last(), Some(&(10 * S, Value::Real(60.0))));
+    bench.write(30.0, "setpoint", Value::Real(120.0));
+    near(&bench.until(60.0, "I0"), &[(37.0, ON)]);
+    bench.write(60.0, "setpoint", Value::Real(-5.0));
+    near(&bench.until(90.0, "I1"), &[(79.0, ON)]);
+    assert_eq!(bench.board.next_event(), None);
+}
+
+#[test]
+fn a_cylinder_reaches_its_end_switches() {
+    let mut bench = Bench::new(
+        r#"
+[[plants]]
+kind = "cylinder"
+name = "c"
+input = "Q0"
+extend-time = "2 s"
+retract-time = "1 s"
+extended = "I0"
+retracted = "I1"
+reach = "10 %"
+"#,
+    );
+    bench.write(1.0, "Q0", ON);
+    let mut events = Vec::new();
+    bench.board.poll(at(5 * S), &mut events).unwrap();
+    near(&changes(&events, bench.file.find("I1").unwrap().0), &[(1.2, OFF)]);
+    near(&changes(&events, bench.file.find("I0").unwrap().0), &[(2.8, ON)]);
+    bench.write(5.0, "Q0", OFF);
+    near(&bench.until(5.5, "I0"), &[(5.1, OFF)]);
+    near(&bench.until(9.0, "I1"), &[(5.9, ON)]);
+}
+
+#[test]
 fn a_started_board_is_as_at_the_start() {
     let mut bench = Bench::new(TANK);
     bench.set(0.0, "leak", 1.0);

@@ -1,6 +1,7 @@
 //! Plants: what the controller's outputs act on and its inputs come from. A kind of plant is a file with its keys, its
 //! reader and its law, and a line in [`KINDS`].
 
+mod cylinder;
 mod heater;
 mod lag;
 mod reader;
@@ -8,6 +9,8 @@ mod sampled;
 mod second_order;
 mod switches;
 mod tank;
+mod travel;
+mod valve;
 
 use std::sync::Arc;
 
@@ -32,7 +35,8 @@ pub(crate) struct PlantKind {
 }
 
 /// Every kind of plant, in alphabetical order.
-const KINDS: &[PlantKind] = &[heater::KIND, lag::KIND, second_order::KIND, tank::KIND];
+const KINDS: &[PlantKind] =
+    &[cylinder::KIND, heater::KIND, lag::KIND, second_order::KIND, tank::KIND, valve::KIND];
 
 const NAMES: [&str; KINDS.len()] = {
     let mut names = [""; KINDS.len()];

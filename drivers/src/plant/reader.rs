@@ -16,6 +16,10 @@ pub(super) const INITIAL: KeySpec = KeySpec::optional(
     KeyType::Quantity,
     "Value at the start; where it is without any input if left out",
 );
+/// The output of a kind that may do without.
+pub(super) const VALUE: KeySpec = KeySpec { required: false, ..OUTPUT };
+/// The samples of such an output.
+pub(super) const SAMPLE_OF_VALUE: KeySpec = KeySpec { required: false, ..SAMPLE };
 pub(super) const SAMPLE: KeySpec =
     KeySpec::required("sample", KeyType::Duration, "Time between two samples of the output");
 
@@ -148,6 +152,24 @@ impl<'a, 'n> PlantReader<'a, 'n> {
     /// How many entries a list has.
     pub(super) fn count(&self, key: &str) -> usize {
         self.fields.each(key).len()
+    }
+
+    /// The time between two samples of an output that there may be: needed where there is one, refused where there is none.
+    pub(super) fn sample_of_value(&mut self, output: bool) -> Option<Span> {
+        match (output, self.has("sample")) {
+            (true, true) => self.duration("sample"),
+            (false, false) => Some(Span::from_millis(1)),
+            (true, false) => {
+                let message = String::from("an output needs `sample`");
+                self.error("output", codes::PLANT_SAMPLE, message, "add `sample`, as in sample = \"10 ms\"");
+                None
+            }
+            (false, true) => {
+                let message = String::from("there is no output to sample");
+                self.error_of_key("sample", codes::PLANT_SAMPLE, message, "remove it, or add `output`");
+                None
+            }
+        }
     }
 
     /// A duration, 0 included.
