@@ -139,6 +139,7 @@ document::codes! {
     PLANT_RANGE = "B0507", "A number of a plant is out of its range";
     PLANT_UNIT = "B0508", "A quantity of a plant is of another kind";
     PLANT_FLOW = "B0509", "A flow of a tank is not clear";
+    PLANT_ENCODER = "B0510", "The encoder of a motor cannot be like this";
     PLANT_SAMPLE = "B0511", "A sample time and an output do not go together";
     CHANCE = "B0601", "A chance is not between 0 and 1";
 }

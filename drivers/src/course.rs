@@ -45,6 +45,12 @@ fn seconds(from: Time, to: Time) -> f64 {
     to.as_nanos().saturating_sub(from.as_nanos()) as f64 / NANOS
 }
 
+/// By how much two numbers near this one differ by more than rounding, at least `least`: what a quantity has to pass a threshold by
+/// on its way back.
+pub(crate) fn margin(near: f64, least: f64) -> f64 {
+    least.max(libm::fabs(near) * 4.0 * f64::EPSILON)
+}
+
 /// The seconds of a duration.
 pub fn span_seconds(span: Span) -> f64 {
     span.as_nanos() as f64 / NANOS

@@ -179,6 +179,60 @@ reach = "10 %"
 }
 
 #[test]
+fn a_conveyor_carries_parts_past_its_eyes() {
+    let mut bench = Bench::new(
+        r#"
+[[plants]]
+kind = "conveyor"
+name = "belt"
+input = "Q0"
+speed = "0.5 m/s"
+length = "3 m"
+part-length = "20 cm"
+feed = "Q1"
+eyes = [{ channel = "I0", at = "1 m" }]
+"#,
+    );
+    bench.write(0.0, "Q0", ON);
+    bench.write(1.0, "Q1", ON);
+    bench.write(1.1, "Q1", OFF);
+    bench.write(2.0, "Q0", OFF);
+    bench.write(4.0, "Q0", ON);
+    bench.write(4.5, "Q1", ON);
+    near(&bench.until(20.0, "I0"), &[(5.0, ON), (5.4, OFF), (6.5, ON), (6.9, OFF)]);
+    assert_eq!(bench.board.next_event(), None);
+}
+
+#[test]
+fn a_motor_turns_an_encoder() {
+    let mut bench = Bench::new(
+        r#"
+channels = { turns = { kind = "count", of = ["I0", "I1"], function = "quadrature-x4" } }
+[[plants]]
+kind = "motor"
+name = "m"
+input = "Q0"
+reverse = "Q1"
+speed = "600 rpm"
+tau = "100 ms"
+lines = 100
+a = "I0"
+b = "I1"
+"#,
+    );
+    bench.write(0.0, "Q0", ON);
+    // 4000 counts in a second, from the middle of count 0, with its first 100 ms behind.
+    let counted = bench.until(1.0, "turns").last().unwrap().1;
+    let angle = 0.5 + 4_000.0 * (1.0 - 0.1 * (1.0 - f64::exp(-10.0)));
+    assert_eq!(counted, Value::Int(angle as i64));
+    bench.write(1.0, "Q1", ON);
+    let back = bench.until(3.0, "turns").last().unwrap().1;
+    let (speed, left) = (1.0 - f64::exp(-10.0), 1.0 - f64::exp(-20.0));
+    let angle = angle - 4_000.0 * (2.0 - 0.1 * (1.0 + speed) * left);
+    assert_eq!(back, Value::Int(angle.floor() as i64));
+}
+
+#[test]
 fn a_started_board_is_as_at_the_start() {
     let mut bench = Bench::new(TANK);
     bench.set(0.0, "leak", 1.0);

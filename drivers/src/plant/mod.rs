@@ -1,9 +1,12 @@
 //! Plants: what the controller's outputs act on and its inputs come from. A kind of plant is a file with its keys, its
 //! reader and its law, and a line in [`KINDS`].
 
+mod conveyor;
 mod cylinder;
+mod drive;
 mod heater;
 mod lag;
+mod motor;
 mod reader;
 mod sampled;
 mod second_order;
@@ -35,8 +38,16 @@ pub(crate) struct PlantKind {
 }
 
 /// Every kind of plant, in alphabetical order.
-const KINDS: &[PlantKind] =
-    &[cylinder::KIND, heater::KIND, lag::KIND, second_order::KIND, tank::KIND, valve::KIND];
+const KINDS: &[PlantKind] = &[
+    conveyor::KIND,
+    cylinder::KIND,
+    heater::KIND,
+    lag::KIND,
+    motor::KIND,
+    second_order::KIND,
+    tank::KIND,
+    valve::KIND,
+];
 
 const NAMES: [&str; KINDS.len()] = {
     let mut names = [""; KINDS.len()];

@@ -61,6 +61,10 @@ impl<'a, 'n> PlantReader<'a, 'n> {
         self.fields.text(key)
     }
 
+    pub(super) fn integer(&self, key: &str) -> Option<i64> {
+        self.fields.integer(key)
+    }
+
     /// Reports at a key, or at the table where it is left out.
     pub(super) fn error(&mut self, key: &str, code: &'static str, message: String, help: &str) {
         let entry = self.fields.table().entry(key);

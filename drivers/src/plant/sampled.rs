@@ -50,6 +50,13 @@ impl SampledValue {
         }
     }
 
+    /// The value goes on by another course, from another value: its output shows that at once.
+    pub(super) fn jump(&mut self, now: Time, course: Course, output: &mut Value) {
+        *output = Value::Real(course.value(now));
+        self.next = None;
+        self.go_on(now, course, *output);
+    }
+
     fn plan_sample(&mut self, now: Time, shown: Value) {
         let settled = self.course.is_settled(now) && shown.as_real() == Some(self.course.value(now));
         self.next = if settled { None } else { self.grid(now, 1) };

@@ -46,6 +46,8 @@ const TABLES: &[Said] = &[
     ("boards/plants", "tank", "key of a flow", Board, &["plants.*.inflows.*", "plants.*.outflows.*"]),
     ("boards/plants", "heater", "key", Board, &["plants.*"]),
     ("boards/plants", "valve and cylinder", "key", Board, &["plants.*"]),
+    ("boards/plants", "motor", "key", Board, &["plants.*"]),
+    ("boards/plants", "conveyor", "key", Board, &["plants.*"]),
     ("boards/file", "control", "key", Board, &["control"]),
     ("boards/generators", "Generators", "key of a generator", Board, &["generators.*"]),
     ("boards/generators", "Generators", "key of a channel", Board, &["channels.*"]),
