@@ -123,6 +123,108 @@ fn an_outflow_by_its_own_weight_goes_with_the_root_of_the_level() {
     assert_eq!(bench.until(2_200.0, "level").last().unwrap().1, Value::Real(0.0));
 }
 
+/// A valve that opens fills a tank; a transmitter measures its level. All show a sample every ten seconds.
+const NET: &str = r#"
+[channels]
+opening = { kind = "analog", unit = "%" }
+level = { kind = "analog", unit = "m" }
+signal = { kind = "analog", unit = "mA" }
+float = { kind = "digital" }
+[[plants]]
+kind = "valve"
+name = "valve"
+input = "Q0"
+travel = "10 s"
+output = "opening"
+sample = "10 s"
+[[plants]]
+kind = "tank"
+name = "tank"
+area = "0.1 m2"
+height = "1 m"
+inflows = [{ channel = "opening", flow = "6 l/min" }]
+output = "level"
+sample = "10 s"
+switches = [{ channel = "float", on-above = "4 mm", off-below = 0.003 }]
+[[plants]]
+kind = "transmitter"
+name = "transmitter"
+input = "level"
+output = "signal"
+range = "0 .. 1 m"
+signal = "4 .. 20 mA"
+sample = "1 s"
+"#;
+
+#[test]
+fn between_plants_nothing_is_lost_between_samples() {
+    let mut bench = Bench::new(NET);
+    bench.write(0.0, "Q0", ON);
+    let mut events = Vec::new();
+    bench.board.poll(at(30 * S), &mut events).unwrap();
+    // While the valve opens the level is 1 mm/s t^2 / 20 s.
+    near(&changes(&events, bench.file.find("float").unwrap().0), &[(80f64.sqrt(), ON)]);
+    let signal = changes(&events, bench.file.find("signal").unwrap().0);
+    assert_eq!(signal.len(), 30, "{signal:?}");
+    for (at, value) in signal {
+        let t = at as f64 / 1e9;
+        let level = if t < 10.0 { 1e-3 * t * t / 20.0 } else { 0.005 + 1e-3 * (t - 10.0) };
+        assert!((value.as_real().unwrap() - 4.0 - 16.0 * level).abs() < 1e-9, "{t} {value:?}");
+    }
+}
+
+#[test]
+fn a_valve_sticks_where_it_is() {
+    let mut bench = Bench::new(NET);
+    bench.write(0.0, "Q0", ON);
+    bench.set(5.0, "stuck", 1.0);
+    assert_eq!(bench.until(60.0, "opening").last().unwrap().1, Value::Real(50.0));
+    bench.set(60.0, "stuck", 0.0);
+    assert_eq!(bench.until(80.0, "opening").last().unwrap().1, Value::Real(100.0));
+}
+
+#[test]
+fn a_transmitter_has_limits_and_errors() {
+    let mut bench = Bench::new(
+        r#"
+channels = { level = { kind = "analog", unit = "m" }, signal = { kind = "analog", unit = "mA" } }
+[[plants]]
+kind = "transmitter"
+name = "t"
+input = "level"
+output = "signal"
+range = "0 .. 2 m"
+signal = "4 .. 20 mA"
+limits = "3.8 .. 20.5 mA"
+sample = "1 s"
+"#,
+    );
+    bench.write(1.0, "level", Value::Real(1.0));
+    near(&bench.until(1.5, "signal"), &[(1.0, Value::Real(12.0))]);
+    bench.write(2.0, "level", Value::Real(5.0));
+    near(&bench.until(2.5, "signal"), &[(2.0, Value::Real(20.5))]);
+    bench.write(3.0, "level", Value::Real(1.0));
+    bench.set(4.0, "offset", 0.5);
+    near(&bench.until(4.5, "signal"), &[(3.0, Value::Real(12.0)), (4.0, Value::Real(16.0))]);
+    bench.set(5.0, "broken", 1.0);
+    // Nobody drives the line: it reads 0.
+    near(&bench.until(5.5, "signal"), &[(5.0, Value::Real(0.0))]);
+    bench.set(6.0, "broken", 0.0);
+    bench.set(6.0, "offset", 0.0);
+    bench.until(6.5, "signal");
+    bench.set(7.0, "drift", 0.001);
+    let drifted = bench.until(107.0, "signal").last().unwrap().1.as_real().unwrap();
+    assert!((drifted - 12.8).abs() < 1e-9, "{drifted}");
+    bench.set(108.0, "drift", 0.0);
+    bench.until(109.0, "signal");
+    bench.set(110.0, "noise", 0.1);
+    let noisy = bench.until(210.0, "signal");
+    assert!(noisy.len() > 90);
+    assert!(noisy.iter().all(|(_, value)| (value.as_real().unwrap() - 12.0).abs() <= 0.8), "{noisy:?}");
+    bench.set(210.5, "noise", 0.0);
+    assert_eq!(bench.until(300.0, "signal"), [(211 * S, Value::Real(12.0))]);
+}
+
 #[test]
 fn a_valve_travels_to_its_set_point() {
     let mut bench = Bench::new(

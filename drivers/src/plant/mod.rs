@@ -12,6 +12,7 @@ mod sampled;
 mod second_order;
 mod switches;
 mod tank;
+mod transmitter;
 mod travel;
 mod valve;
 
@@ -46,6 +47,7 @@ const KINDS: &[PlantKind] = &[
     motor::KIND,
     second_order::KIND,
     tank::KIND,
+    transmitter::KIND,
     valve::KIND,
 ];
 

@@ -1,7 +1,7 @@
 //! What the readers of plants share: keys of a table as channels, numbers and durations, with what is wrong reported.
 
 use document::{Data, Fields, Findings, KeySpec, KeyType, Node};
-use signal::{Quantity, Span};
+use signal::{Quantity, QuantityRange, Span, Unit};
 
 use crate::channel::{ChannelId, ChannelKind};
 use crate::circuit::ChannelSpec;
@@ -190,6 +190,36 @@ impl<'a, 'n> PlantReader<'a, 'n> {
             return None;
         }
         Some(span)
+    }
+
+    /// Both ends of a range in the unit of its channel.
+    pub(super) fn range(&mut self, key: &str, unit: &str) -> Option<(f64, f64)> {
+        let text = match &self.fields.get(key)?.data {
+            Data::Text(text) => text,
+            _ => "",
+        };
+        let ends = QuantityRange::parse(text).ok().and_then(|range| range.min.zip(range.max));
+        let Some((min, max)) = ends.filter(|(min, max)| min != max) else {
+            let message = format!("`{key}` does not read as a range from one number to another");
+            self.error(key, codes::UNREADABLE, message, "write both ends, as in \"4 .. 20 mA\"");
+            return None;
+        };
+        let number = |end: &Quantity| match end.unit.is_none() {
+            true => Some(end.number),
+            false => end.in_unit(&Unit::new(unit)),
+        };
+        let numbers = number(&min).zip(number(&max));
+        if numbers.is_none() {
+            let message = format!("`{key}` is in {}", max.unit);
+            let help = format!("its channel is in {unit}: write how much it is in {unit}");
+            self.error(
+                key,
+                codes::UNIT,
+                message,
+                if unit.is_empty() { "its channel has no unit" } else { &help },
+            );
+        }
+        numbers.map(|(min, max)| (min.as_f64(), max.as_f64()))
     }
 
     /// The entries of a list of tables with these keys. `None` where one of them is wrong.

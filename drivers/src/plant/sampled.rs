@@ -57,6 +57,12 @@ impl SampledValue {
         self.go_on(now, course, *output);
     }
 
+    /// The value goes on by another course, and nothing is sampled of it until it is followed again.
+    pub(super) fn pause(&mut self, course: Course) {
+        self.course = course;
+        self.next = None;
+    }
+
     fn plan_sample(&mut self, now: Time, shown: Value) {
         let settled = self.course.is_settled(now) && shown.as_real() == Some(self.course.value(now));
         self.next = if settled { None } else { self.grid(now, 1) };
