@@ -364,3 +364,15 @@ fn a_damped_response_overshoots_and_a_heater_does_not() {
     let heated = peak(&text("heater", "sensor-tau = \"200 ms\"\nambient = 20\nrise = 60"));
     assert!((79.99..=80.0).contains(&heated), "{heated}");
 }
+
+#[test]
+fn dead_time_keeps_the_course() {
+    let channel = "[channels]\nlate = { kind = \"analog\", unit = \"mA\" }";
+    let pipe = "[[plants]]\nkind = \"dead-time\"\nname = \"pipe\"\ninput = \"signal\"\noutput = \"late\"\ndelay = \"2500 ms\"\n";
+    let mut bench = Bench::new(&(NET.replace("[channels]", channel) + pipe));
+    bench.write(0.0, "Q0", ON);
+    let late = bench.until(12.6, "late");
+    let (at, value) = *late.last().unwrap();
+    assert_eq!(at, 12 * S + S / 2);
+    assert!((value.as_real().unwrap() - 4.0 - 16.0 * 0.005).abs() < 1e-9, "{value:?}");
+}

@@ -3,6 +3,7 @@
 
 mod conveyor;
 mod cylinder;
+mod dead_time;
 mod drive;
 mod heater;
 mod lag;
@@ -42,6 +43,7 @@ pub(crate) struct PlantKind {
 const KINDS: &[PlantKind] = &[
     conveyor::KIND,
     cylinder::KIND,
+    dead_time::KIND,
     heater::KIND,
     lag::KIND,
     motor::KIND,

@@ -45,6 +45,7 @@ const TABLES: &[Said] = &[
     ("boards/plants", "tank", "key", Board, &["plants.*"]),
     ("boards/plants", "tank", "key of a flow", Board, &["plants.*.inflows.*", "plants.*.outflows.*"]),
     ("boards/plants", "transmitter", "key", Board, &["plants.*"]),
+    ("boards/plants", "dead-time", "key", Board, &["plants.*"]),
     ("boards/plants", "heater", "key", Board, &["plants.*"]),
     ("boards/plants", "valve and cylinder", "key", Board, &["plants.*"]),
     ("boards/plants", "motor", "key", Board, &["plants.*"]),
