@@ -4,14 +4,14 @@ use signal::{Span, Time};
 
 /// Nanoseconds in a second.
 const NANOS: f64 = 1e9;
+/// The most steps of Newton's method: of each that is taken at least one digit comes.
+const MAX_STEPS: usize = 100;
 /// Beyond this many seconds nothing is looked for: the range of [`Time`].
 const FAR: f64 = 9.0e9;
 /// Time constants after which nothing is left of an exponential beside a number that it is added to.
 const SETTLED: f64 = 40.0;
 /// The most turning points of a course that are looked at: of an oscillation with the least damping, until it has settled.
 const MAX_TURNS: usize = 4_096;
-/// How often an interval is halved at most: once for each digit of a number, and some more near 0.
-const MAX_HALVINGS: usize = 200;
 
 /// The value of a quantity from an instant on, for as long as nothing changes it: a function of time that is known as a whole.
 ///
@@ -170,15 +170,20 @@ impl Course {
 
     /// Whether it stays as it is from this instant on.
     pub fn is_settled(&self, at: Time) -> bool {
+        self.is_settled_with(self.value(at))
+    }
+
+    /// Whether it stays as it is from the instant on at which it has this value.
+    pub fn is_settled_with(&self, value: f64) -> bool {
         match self.shape {
             Shape::Sum { terms: [t0, t1, t2, t3], .. } => {
-                t1 == 0.0 && t2 == 0.0 && t3 == 0.0 && self.value(at) == self.offset + self.scale * t0
+                t1 == 0.0 && t2 == 0.0 && t3 == 0.0 && value == self.offset + self.scale * t0
             }
             Shape::Draining { fill, drain, .. } => {
                 let end = if fill <= 0.0 { 0.0 } else { (fill / drain) * (fill / drain) };
-                self.value(at) == self.offset + self.scale * end
+                value == self.offset + self.scale * end
             }
-            _ => self.value(at) == self.offset,
+            _ => value == self.offset,
         }
     }
 
@@ -256,18 +261,24 @@ impl Course {
 
     /// The first nanosecond after `after` at which it is `level` or more.
     pub fn rises_to(&self, level: f64, after: Time) -> Option<Time> {
-        self.first(after, &|value| value >= level)
+        self.first(after, level, &|value| value >= level)
     }
 
     /// The first nanosecond after `after` at which it is `level` or less.
     pub fn falls_to(&self, level: f64, after: Time) -> Option<Time> {
-        self.first(after, &|value| value <= level)
+        self.first(after, level, &|value| value <= level)
     }
 
-    /// The first nanosecond after `after` at which its value has reached what `reached` says, which holds of all values from one
-    /// on upwards or downwards.
-    fn first(&self, after: Time, reached: &dyn Fn(f64) -> bool) -> Option<Time> {
+    /// The first nanosecond after `after` at which its value has reached what `reached` says, which holds of all values from
+    /// `level` on upwards or downwards.
+    fn first(&self, after: Time, level: f64, reached: &dyn Fn(f64) -> bool) -> Option<Time> {
         let start = after.as_nanos().max(self.since.as_nanos()).checked_add(1)?;
+        // Of a value that goes one way to its end no instant has to be looked at where that does not meet the level.
+        if let Some((least, most)) = self.range()
+            && (level < least || level > most)
+        {
+            return reached(least).then_some(Time::from_nanos(start));
+        }
         if reached(self.value(Time::from_nanos(start))) {
             return Some(Time::from_nanos(start));
         }
@@ -283,6 +294,9 @@ impl Course {
             if to > from && reached(self.value(Time::from_nanos(to))) {
                 // The value is monotone from one turning point to the next.
                 let (mut before, mut there) = (from, to);
+                if let Some(s) = self.guess(level) {
+                    (before, there) = self.around(s, (before, there), reached);
+                }
                 while there - before > 1 {
                     let middle = before + (there - before) / 2;
                     if reached(self.value(Time::from_nanos(middle))) {
@@ -297,6 +311,76 @@ impl Course {
             from = from.max(to);
         }
         None
+    }
+
+    /// Between which values, with room for rounding, a course lies that goes one way only and comes to an end.
+    fn range(&self) -> Option<(f64, f64)> {
+        let (one, other) = match self.shape {
+            Shape::Sum { terms: [t0, t1, t2, t3], amplitude, .. } if t1 == 0.0 && t2 == 0.0 && t3 == 0.0 => {
+                (t0 + amplitude, t0)
+            }
+            Shape::Draining { root, fill, drain } => {
+                let end = (fill / drain).max(0.0);
+                (root * root, end * end)
+            }
+            _ => return None,
+        };
+        let (one, other) = (self.offset + self.scale * one, self.offset + self.scale * other);
+        let room = 1e-9 * (libm::fabs(one) + libm::fabs(other) + libm::fabs(self.offset));
+        Some((one.min(other) - room, one.max(other) + room))
+    }
+
+    /// About the seconds after its beginning at which it is `level`, where its equation can be solved for that.
+    fn guess(&self, level: f64) -> Option<f64> {
+        let wanted = (level - self.offset) / self.scale;
+        match self.shape {
+            Shape::Sum { terms: [t0, t1, t2, t3], amplitude, tau } if t2 == 0.0 && t3 == 0.0 => {
+                if amplitude == 0.0 {
+                    Some((wanted - t0) / t1)
+                } else {
+                    (t1 == 0.0).then(|| tau * libm::log(amplitude / (wanted - t0)))
+                }
+            }
+            Shape::Draining { root, fill, drain } => {
+                Some(drained_to(root, fill, drain, libm::sqrt(wanted.max(0.0))))
+            }
+            _ => None,
+        }
+    }
+
+    /// Two nanoseconds within the limits and about `s` seconds after the beginning, with the first at which the value has reached
+    /// what `reached` says after one and not after the other. It is so at the upper limit, and not at the lower one.
+    fn around(&self, s: f64, limits: (i64, i64), reached: &dyn Fn(f64) -> bool) -> (i64, i64) {
+        let (mut before, mut there) = limits;
+        let nanos = libm::round(s * NANOS);
+        if !(nanos >= 0.0 && nanos < there as f64) {
+            return limits;
+        }
+        let middle = self.since.as_nanos().saturating_add(nanos as i64);
+        let mut width = 1i64;
+        // Twice as far each time: a guess is good to some nanoseconds.
+        loop {
+            let (low, high) = (middle.saturating_sub(width), middle.saturating_add(width));
+            let mut is_around = true;
+            if low > before {
+                if reached(self.value(Time::from_nanos(low))) {
+                    (there, is_around) = (there.min(low), false);
+                } else {
+                    before = low;
+                }
+            }
+            if is_around && high < there {
+                if reached(self.value(Time::from_nanos(high))) {
+                    there = high;
+                } else {
+                    (before, is_around) = (before.max(high), false);
+                }
+            }
+            if is_around || width > i64::MAX / 2 {
+                return (before, there);
+            }
+            width *= 2;
+        }
     }
 
     /// The seconds after `from` at which the course turns next.
@@ -395,31 +479,45 @@ fn drained(root: f64, fill: f64, drain: f64, s: f64) -> f64 {
         return (root - drain * s / 2.0).max(0.0);
     }
     let rest = fill / drain;
-    if root == rest {
+    if root == rest || s <= 0.0 {
         return root;
     }
-    // The time at which the root is u: -(2 / drain) (u - root + rest ln((u - rest) / (root - rest))), written so that nothing
-    // cancels where the rest is far away.
-    let away = root - rest;
-    let time = |u: f64| {
-        let part = (u - root) / away;
-        -2.0 / drain * (away * less_log1p(part) + root * libm::log1p(part))
-    };
-    // It moves from `root` towards `rest`, or to 0 where that lies below.
-    let end = rest.max(0.0);
-    if rest < 0.0 && s >= time(0.0) {
+    if rest < 0.0 && s >= drained_to(root, fill, drain, 0.0) {
         return 0.0;
     }
-    let (mut near, mut far) = (root, end);
-    for _ in 0..MAX_HALVINGS {
-        let middle = near + (far - near) / 2.0;
-        if middle == near || middle == far {
+    // Of the part of its way that is left, exp(y), is known that away (exp(y) - 1 - y) + root y + drain s / 2 = 0, written so that
+    // nothing cancels where the rest is far away. The sum bends one way only: Newton's method comes to its zero from where it
+    // begins, without passing it but by rounding.
+    let away = root - rest;
+    let passed = drain * s / 2.0;
+    let (a, k) = (away / rest, passed / rest);
+    let (mut y, upwards) = match () {
+        () if a > 0.0 => ((a - k).min(0.0), -1.0),
+        () if a < -1.0 => (0.0, -1.0),
+        () => (a - k, 1.0),
+    };
+    for _ in 0..MAX_STEPS {
+        let step = -(away * less_expm1(y) + root * y + passed) / (root + away * libm::expm1(y));
+        let goes_on = step * upwards > 2.0 * f64::EPSILON * libm::fabs(y);
+        if !goes_on {
             break;
         }
-        if time(middle) < s { near = middle } else { far = middle }
+        y += step;
     }
-    // What is left to the rest is rounding.
-    if libm::fabs(far - rest) <= 4.0 * f64::EPSILON * rest { rest } else { far }
+    // It moves from `root` towards `rest`, and not beyond 0.
+    let u = if y < -1.0 { rest + away * libm::exp(y) } else { root + away * libm::expm1(y) };
+    u.max(0.0)
+}
+
+/// The seconds after which the root of such a level has come from `root` to `u`, which lies on its way.
+fn drained_to(root: f64, fill: f64, drain: f64, u: f64) -> f64 {
+    if fill == 0.0 {
+        return 2.0 * (root - u) / drain;
+    }
+    // -(2 / drain) (u - root + rest ln((u - rest) / (root - rest))), written so that nothing cancels where the rest is far away.
+    let away = root - fill / drain;
+    let part = (u - root) / away;
+    -2.0 / drain * (away * less_log1p(part) + root * libm::log1p(part))
 }
 
 /// `x - ln(1 + x)`, with all its digits also near 0.
@@ -430,6 +528,16 @@ fn less_log1p(x: f64) -> f64 {
     // x^2 / 2 - x^3 / 3 + x^4 / 4 and so on: what comes after 18 terms is less than rounding.
     let sum = (2..20).rev().fold(0.0, |sum, n| 1.0 / f64::from(n) - x * sum);
     x * x * sum
+}
+
+/// `exp(x) - 1 - x`, with all its digits also near 0.
+fn less_expm1(x: f64) -> f64 {
+    if libm::fabs(x) > 0.1 {
+        return libm::expm1(x) - x;
+    }
+    // x^2 / 2! + x^3 / 3! and so on: what comes after 10 terms is less than rounding.
+    let sum = (3..13).rev().fold(0.0, |sum, n| (1.0 + sum) * x / f64::from(n));
+    x * x / 2.0 * (1.0 + sum)
 }
 
 #[cfg(test)]
@@ -478,6 +586,33 @@ mod tests {
                 if step % 1_000 == 0 {
                     let exact = course.value(at(s + S));
                     assert!((exact - y).abs() < 1e-4, "{course:?} at {s}: {exact} {y}");
+                }
+            }
+        }
+    }
+
+    /// The root after a time against a search for it by the time that it takes to each root.
+    #[test]
+    fn a_level_by_its_own_weight_is_the_one_that_takes_the_time() {
+        for root in [0.0, 1e-6, 0.3, 1.0, 4.0] {
+            for fill in [-2.0, -0.3, -1e-6, 1e-6, 0.1, 0.35, 2.0] {
+                for drain in [1e-3, 0.2, 1.0] {
+                    for s in [1e-9, 1e-4, 0.02, 0.7, 5.0, 60.0, 3600.0, 1e7] {
+                        let (mut near, mut far) = (root, f64::max(fill / drain, 0.0));
+                        if fill < 0.0 && s >= drained_to(root, fill, drain, 0.0) {
+                            near = 0.0;
+                        }
+                        for _ in 0..200 {
+                            let middle = near + (far - near) / 2.0;
+                            let early = drained_to(root, fill, drain, middle) < s;
+                            if early { near = middle } else { far = middle }
+                        }
+                        let found = drained(root, fill, drain, s);
+                        let scale = root.max(near).max(1e-9);
+                        let what = format!("{root} {fill} {drain} {s}: {found} {near}");
+                        assert!((found - near).abs() < 1e-7 * scale, "{what}");
+                        assert!(found >= 0.0, "{what}");
+                    }
                 }
             }
         }
@@ -559,6 +694,44 @@ mod tests {
         }
         let resting = Course::draining(Time::ZERO, 0.5, 0.3, 0.4);
         assert!(resting.is_settled(at(1e4)));
+    }
+
+    /// A search that begins at a guess finds the nanosecond that one without it finds.
+    #[test]
+    fn a_guess_does_not_change_what_is_found() {
+        let mut random = signal::Random::new(24);
+        let mut part =
+            |least: f64, most: f64| least + (most - least) * (random.below(1 << 32) as f64 / 4294967296.0);
+        let mut found = 0;
+        for _ in 0..3_000 {
+            let since = at(part(0.0, 10.0));
+            let course = match part(0.0, 3.0) {
+                kind if kind < 1.0 => Course::lag(since, part(-5.0, 5.0), part(-5.0, 5.0), part(1e-3, 100.0)),
+                kind if kind < 2.0 => Course::line(since, part(-5.0, 5.0), part(-1.0, 1.0)),
+                _ => Course::draining(since, part(0.0, 2.0), part(-0.1, 0.3), part(1e-3, 0.3)),
+            };
+            let course = course.mapped(part(-1.0, 1.0), part(-2.0, 2.0));
+            let (level, after) = (part(-5.0, 5.0), at(part(0.0, 20.0)));
+            for rising in [true, false] {
+                let reached = |value: f64| if rising { value >= level } else { value <= level };
+                let guessed = course.first(after, level, &reached);
+                let searched = course.first(after, f64::NAN, &reached);
+                // Where rounding has the value pass the level several times, both are such a passage.
+                let near = match (guessed, searched) {
+                    (Some(guessed), Some(searched)) => {
+                        let apart = guessed.as_nanos().abs_diff(searched.as_nanos());
+                        let before = Time::from_nanos(guessed.as_nanos() - 1);
+                        let first = guessed.as_nanos() == after.as_nanos().max(since.as_nanos()) + 1;
+                        apart == 0
+                            || reached(course.value(guessed)) && (first || !reached(course.value(before)))
+                    }
+                    (guessed, searched) => guessed == searched,
+                };
+                assert!(near, "{course:?} {level} {after:?}: {guessed:?} {searched:?}");
+                found += u32::from(guessed.is_some());
+            }
+        }
+        assert!(found > 1_000, "{found}");
     }
 
     #[test]
