@@ -343,7 +343,12 @@ impl Plant for Lag {
     }
 
     fn advance(&mut self, now: Time) {
-        if self.next_sample.is_some_and(|due| due <= now) {
+        if self.next_sample == Some(now) {
+            let value = self.value(now);
+            self.outputs[0] = Value::Real(value);
+            let next = now.as_nanos().checked_add(self.sample.as_nanos()).map(Time::from_nanos);
+            self.next_sample = if value == self.target { None } else { next };
+        } else if self.next_sample.is_some_and(|due| due <= now) {
             // Where a call spans several samples the output is the newest of them.
             let sample = self.sample.as_nanos();
             let grid = Span::from_nanos(elapsed(self.started, now) / sample * sample);

@@ -64,8 +64,19 @@ impl SampledValue {
     }
 
     fn plan_sample(&mut self, now: Time, shown: Value) {
-        let settled = self.course.is_settled(now) && shown.as_real() == Some(self.course.value(now));
-        self.next = if settled { None } else { self.grid(now, 1) };
+        // The value of some courses takes time, and it is not asked for twice.
+        let value = self.course.value(now);
+        self.next = if self.stays(value, shown) { None } else { self.grid(now, 1) };
+    }
+
+    /// Whether it stays at this value, which it has, and that is shown.
+    fn stays(&self, value: f64, shown: Value) -> bool {
+        shown.as_real() == Some(value) && self.course.is_settled_with(value)
+    }
+
+    /// The instant of the grid after one of its own.
+    fn sample_after(&self, at: Time) -> Option<Time> {
+        at.as_nanos().checked_add(self.sample.as_nanos()).map(Time::from_nanos)
     }
 
     /// The instant of the grid so many samples after the last one up to `now`.
@@ -81,7 +92,11 @@ impl SampledValue {
 
     /// Shows what is due at `now`.
     pub(super) fn advance(&mut self, now: Time, outputs: &mut [Value]) {
-        if self.next.is_some_and(|due| due <= now) {
+        if self.next == Some(now) {
+            let value = self.course.value(now);
+            outputs[0] = Value::Real(value);
+            self.next = if self.stays(value, outputs[0]) { None } else { self.sample_after(now) };
+        } else if self.next.is_some_and(|due| due <= now) {
             // Where a call spans several samples the output is the newest of them.
             let at = self.grid(now, 0).unwrap_or(now).max(self.course.since());
             outputs[0] = Value::Real(self.course.value(at));

@@ -101,6 +101,7 @@ impl PlantSpec for TransmitterSpec {
             spec: self.clone(),
             errors: Errors::NONE,
             input: NOTHING,
+            is_exact: false,
             turns: None,
             value: SampledValue::new(self.sample, &[]),
             seed: random,
@@ -141,6 +142,8 @@ struct Transmitter {
     spec: TransmitterSpec,
     errors: Errors,
     input: PlantInput,
+    /// It goes by the course of its input, and not by its samples.
+    is_exact: bool,
     /// When it comes to a limit, or leaves it.
     turns: Option<Time>,
     value: SampledValue,
@@ -181,7 +184,9 @@ impl Transmitter {
     }
 
     fn replan(&mut self, now: Time) {
-        let raw = self.exact(now).unwrap_or_else(|| self.sampled(now));
+        let exact = self.exact(now);
+        self.is_exact = exact.is_some();
+        let raw = exact.unwrap_or_else(|| self.sampled(now));
         let (low, high) = self.spec.limits;
         let (value, slope) = (raw.value(now), raw.slope(now));
         let course = if value < low || (value == low && slope < 0.0) {
@@ -253,7 +258,7 @@ impl Plant for Transmitter {
     fn input(&mut self, now: Time, _port: usize, input: &PlantInput) {
         let before = std::mem::replace(&mut self.input, *input);
         // A further sample of a course that is known changes nothing.
-        let known = before.course.is_some() && before.course == input.course && self.exact(now).is_some();
+        let known = self.is_exact && before.course == input.course;
         if before != *input && !known {
             self.replan(now);
         }
