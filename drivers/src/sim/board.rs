@@ -1,15 +1,14 @@
 //! The simulated board: settles its lines at every instant at which something changes.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
 use signal::{CanFrame, Random, SerialOutput, SerialSettings, Span, Time, Value, When};
 
 use super::buses::SimulatedBuses;
 use super::checks;
+use super::dirty::DirtyLines;
 use super::line::{Line, MAX_FAULTS};
 use super::links::{Links, PlantAt, PlantEnd};
 use super::tally::Tallies;
+use super::timetable::Timetable;
 use super::wire::Wire;
 use crate::board::{self, Board, BoardError, FaultInjection, PlantParameters};
 use crate::bus::{Bus, BusEvent, BusId};
@@ -41,15 +40,11 @@ pub struct SimulatedBoard {
     plants: Vec<PlantAt>,
     tallies: Tallies,
     links: Vec<Links>,
-    ranks: Vec<u16>,
-    /// Lines to look at, lowest rank first, with whether they are in the heap, by line.
-    dirty: BinaryHeap<Reverse<(u16, u16)>>,
-    is_dirty: Vec<bool>,
+    /// Lines to look at, lowest rank first.
+    dirty: DirtyLines,
     reports: Vec<BoardEvent>,
-    /// When wires, plants, faults next do something; [`Time::MAX`] for never.
-    next: Time,
-    /// Whether `next` may have become earlier or later.
-    stale: bool,
+    /// When lines, wires and plants next do something: first the lines, then the wires, then the plants.
+    timetable: Timetable,
     now: Time,
     started: bool,
     health: Health,
@@ -81,12 +76,9 @@ impl SimulatedBoard {
             plants: Vec::new(),
             tallies: Tallies::new(&circuit.tallies),
             links: circuit.channels.iter().map(|_| Links::default()).collect(),
-            ranks,
-            dirty: BinaryHeap::with_capacity(circuit.channels.len()),
-            is_dirty: vec![false; circuit.channels.len()],
+            dirty: DirtyLines::new(&ranks),
             reports: Vec::new(),
-            next: Time::MAX,
-            stale: true,
+            timetable: Timetable::new(circuit.channels.len() + circuit.wires.len() + circuit.plants.len()),
             now: Time::MIN,
             started: false,
             health: Health::default(),
@@ -161,12 +153,12 @@ impl SimulatedBoard {
     /// How a line goes on, where one plant drives it and nothing else has a say.
     fn course(&self, place: usize) -> Option<Course> {
         let (links, line) = (&self.links[place], &self.lines[place]);
-        let [(plant, port)] = links.plants_in[..] else { return None };
-        let alone = links.wires_in.is_empty() && line.driven == Value::HighZ && !line.has_faults();
-        if !alone || links.plants_out.is_empty() {
+        if links.plants_out.is_empty() {
             return None;
         }
-        self.plants[plant].plant.course(port).filter(Course::is_finite)
+        let [(plant, port)] = links.plants_in[..] else { return None };
+        let alone = links.wires_in.is_empty() && line.driven == Value::HighZ && !line.has_faults();
+        if alone { self.plants[plant].plant.course(port).filter(Course::is_finite) } else { None }
     }
 
     /// What a device on the line reads now: as the last poll at the time of the last call would have reported.
@@ -183,17 +175,38 @@ impl SimulatedBoard {
 
     fn mark(&mut self, place: usize, origin: Origin) {
         self.lines[place].origin = origin;
-        if !std::mem::replace(&mut self.is_dirty[place], true) {
-            // There are at most MAX_PARTS lines: a place fits.
-            self.dirty.push(Reverse((self.ranks[place], place as u16)));
-        }
+        self.dirty.insert(place);
+    }
+
+    /// Takes note of when a line does something by itself.
+    fn note_line(&mut self, place: usize) {
+        let line = &self.lines[place];
+        self.timetable.set(place, line.next(), line.waiting());
+    }
+
+    /// The same of a wire.
+    fn note_wire(&mut self, wire: usize) {
+        let at = &self.wires[wire];
+        self.timetable.set(self.lines.len() + wire, at.next(), at.waiting());
+    }
+
+    /// The same of a plant.
+    fn note_plant(&mut self, plant: usize) {
+        let at = &self.plants[plant].plant;
+        self.timetable.set(self.lines.len() + self.wires.len() + plant, at.next_event(), at.waiting());
     }
 
     /// The outcome of a line's drivers.
     fn resolve(&self, place: usize) -> (Value, bool) {
-        let links = &self.links[place];
-        if links.wires_in.is_empty() && links.plants_in.is_empty() {
-            return (self.lines[place].driven, false);
+        let (links, driven) = (&self.links[place], self.lines[place].driven);
+        // What most lines have: one source at most.
+        match (&links.wires_in[..], &links.plants_in[..]) {
+            ([], []) => return (driven, false),
+            ([wire], []) if driven == Value::HighZ => return (self.wires[*wire].out, false),
+            ([], [(plant, port)]) if driven == Value::HighZ => {
+                return (self.plants[*plant].driving[*port], false);
+            }
+            _ => {}
         }
         let wires = links.wires_in.iter().map(|&wire| self.wires[wire].out);
         let plants = links.plants_in.iter().map(|&(plant, port)| self.plants[plant].driving[port]);
@@ -202,9 +215,7 @@ impl SimulatedBoard {
 
     /// Carries the marked changes through all that has no delay.
     fn settle(&mut self, now: Time) {
-        while let Some(Reverse((_, place))) = self.dirty.pop() {
-            let place = usize::from(place);
-            self.is_dirty[place] = false;
+        while let Some(place) = self.dirty.pop() {
             if let Some(tally) = self.links[place].tally {
                 self.tallies.look(tally, &mut self.lines);
             }
@@ -212,13 +223,18 @@ impl SimulatedBoard {
             let line = &mut self.lines[place];
             self.health.contentions += u64::from(contended && !line.contended);
             line.contended = contended;
-            let changed = line.update(now, raw);
+            let changed = if line.is_plain() {
+                line.follow(raw)
+            } else {
+                let changed = line.update(now, raw);
+                self.note_line(place);
+                changed
+            };
             let course = self.course(place);
             if changed || course != self.links[place].course {
                 self.links[place].course = course;
                 self.carry(now, place);
             }
-            self.stale |= self.lines[place].waiting() > 0;
             self.report(now, place);
         }
     }
@@ -231,13 +247,13 @@ impl SimulatedBoard {
             if self.wires[wire].feed(now, level) {
                 self.mark(usize::from(self.wires[wire].spec.to.0), Origin::Wire);
             }
-            self.stale |= self.wires[wire].waiting() > 0;
+            self.note_wire(wire);
         }
         for link in 0..self.links[place].plants_out.len() {
             let PlantEnd { plant, port, takes_courses } = self.links[place].plants_out[link];
             let course = self.links[place].course.filter(|_| takes_courses);
             self.plants[plant].plant.input(now, port, &PlantInput { value: level, course });
-            self.stale = true;
+            self.note_plant(plant);
             self.drive_from(plant);
         }
         for link in 0..self.links[place].tallies_out.len() {
@@ -283,27 +299,30 @@ impl SimulatedBoard {
 
     /// Lets all happen that is due at `now`.
     fn step(&mut self, now: Time) {
-        for place in 0..self.lines.len() {
-            if self.lines[place].next().is_some_and(|due| due <= now) && self.lines[place].pass(now) {
-                let origin = self.lines[place].origin;
-                self.notice_loss(now, place);
-                self.mark(place, origin);
+        let (lines, wires) = (self.lines.len(), self.wires.len());
+        let mut part = 0;
+        while let Some(due) = self.timetable.due_from(part, now) {
+            part = due + 1;
+            if due < lines {
+                if self.lines[due].pass(now) {
+                    let origin = self.lines[due].origin;
+                    self.notice_loss(now, due);
+                    self.mark(due, origin);
+                }
+                self.note_line(due);
+            } else if due < lines + wires {
+                let wire = due - lines;
+                if self.wires[wire].arrive(now) {
+                    self.mark(usize::from(self.wires[wire].spec.to.0), Origin::Wire);
+                }
+                self.note_wire(wire);
+            } else {
+                let plant = due - lines - wires;
+                self.plants[plant].plant.advance(now);
+                self.note_plant(plant);
+                self.drive_from(plant);
             }
         }
-        for wire in 0..self.wires.len() {
-            if self.wires[wire].arrive(now) {
-                self.mark(usize::from(self.wires[wire].spec.to.0), Origin::Wire);
-            }
-        }
-        for place in 0..self.plants.len() {
-            let at = &mut self.plants[place];
-            if at.plant.next_event().is_none_or(|due| due > now) {
-                continue;
-            }
-            at.plant.advance(now);
-            self.drive_from(place);
-        }
-        self.stale = true;
         self.settle(now);
     }
 
@@ -326,21 +345,10 @@ impl SimulatedBoard {
         }
     }
 
-    /// Finds out when something happens next.
-    fn reschedule(&mut self) -> Result<(), BoardError> {
-        if std::mem::replace(&mut self.stale, false) {
-            let wires = self.wires.iter().filter_map(Wire::next);
-            let lines = self.lines.iter().filter_map(Line::next);
-            let plants = self.plants.iter().filter_map(|at| at.plant.next_event());
-            self.next = wires.chain(lines).chain(plants).min().unwrap_or(Time::MAX);
-            let on_their_way: usize = self.wires.iter().map(Wire::waiting).sum::<usize>()
-                + self.lines.iter().map(Line::waiting).sum::<usize>()
-                + self.plants.iter().map(|at| at.plant.waiting()).sum::<usize>();
-            if on_their_way > MAX_PENDING as usize {
-                return self.storm();
-            }
-        }
-        if self.reports.len() > MAX_PENDING as usize { self.storm() } else { Ok(()) }
+    /// Whether no more is on its way than there may be.
+    fn check_pending(&mut self) -> Result<(), BoardError> {
+        let most = MAX_PENDING as usize;
+        if self.timetable.waiting() > most || self.reports.len() > most { self.storm() } else { Ok(()) }
     }
 
     fn storm(&mut self) -> Result<(), BoardError> {
@@ -357,11 +365,13 @@ impl SimulatedBoard {
             return Err(BoardError::Backwards { now: until, last: self.now });
         }
         let mut steps = 0;
-        self.reschedule()?;
-        while self.next < until || (inclusive && self.next == until && until < Time::MAX) {
-            self.now = self.now.max(self.next);
+        self.check_pending()?;
+        while self.timetable.first() < until
+            || (inclusive && self.timetable.first() == until && until < Time::MAX)
+        {
+            self.now = self.now.max(self.timetable.first());
             self.step(self.now);
-            self.reschedule()?;
+            self.check_pending()?;
             steps += 1;
             if steps > MAX_PENDING {
                 return self.storm();
@@ -374,14 +384,13 @@ impl SimulatedBoard {
     /// Settles what was marked at `now` by a call.
     fn finish(&mut self, now: Time) -> Result<(), BoardError> {
         self.settle(now);
-        self.reschedule()
+        self.check_pending()
     }
 
     /// Lets wires and lines stand where the safe values bring them, as if they had stood there always; what never
     /// comes to rest is left to its delays.
     fn settle_at_start(&mut self, now: Time) {
-        let mut order: Vec<usize> = (0..self.lines.len()).collect();
-        order.sort_by_key(|&place| self.ranks[place]);
+        let order: Vec<usize> = self.dirty.order().iter().map(|place| usize::from(*place)).collect();
         for plant in &mut self.plants {
             plant.plant.start(now);
             plant.driving.copy_from_slice(plant.plant.outputs());
@@ -438,7 +447,6 @@ impl Board for SimulatedBoard {
         self.health = Health::default();
         self.reports.clear();
         self.dirty.clear();
-        self.is_dirty.fill(false);
         self.lost.fill(false);
         self.buses.start();
         for (line, channel) in self.lines.iter_mut().zip(&self.channels) {
@@ -446,7 +454,9 @@ impl Board for SimulatedBoard {
         }
         self.wires.iter_mut().for_each(|wire| wire.reset(self.seed));
         self.settle_at_start(now);
-        self.stale = true;
+        (0..self.lines.len()).for_each(|place| self.note_line(place));
+        (0..self.wires.len()).for_each(|wire| self.note_wire(wire));
+        (0..self.plants.len()).for_each(|plant| self.note_plant(plant));
         self.finish(now)
     }
 
@@ -484,7 +494,7 @@ impl Board for SimulatedBoard {
 
     fn next_event(&self) -> Option<Time> {
         let waiting = self.reports.first().map(BoardEvent::latest);
-        let next = Some(self.next).filter(|next| self.started && *next < Time::MAX);
+        let next = Some(self.timetable.first()).filter(|next| self.started && *next < Time::MAX);
         waiting.into_iter().chain(next).chain(self.buses.next_event()).min()
     }
 
@@ -554,7 +564,7 @@ impl PlantParameters for SimulatedBoard {
         }
         self.advance(now, false)?;
         self.plants[plant].plant.set(now, parameter, value);
-        self.stale = true;
+        self.note_plant(plant);
         self.drive_from(plant);
         self.finish(now)
     }
@@ -568,7 +578,7 @@ impl FaultInjection for SimulatedBoard {
         if !self.lines[place].inject(fault, until) {
             return Err(BoardError::TooManyFaults { channel: fault.channel, limit: MAX_FAULTS });
         }
-        self.stale = true;
+        self.note_line(place);
         self.notice_loss(now, place);
         self.mark(place, Origin::Fault);
         self.finish(now)
@@ -579,7 +589,7 @@ impl FaultInjection for SimulatedBoard {
         self.advance(now, false)?;
         if self.lines[place].has_faults() {
             self.lines[place].clear();
-            self.stale = true;
+            self.note_line(place);
             self.notice_loss(now, place);
             self.mark(place, Origin::Fault);
         }

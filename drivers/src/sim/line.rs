@@ -78,6 +78,19 @@ impl Line {
         self.seen = self.sense();
     }
 
+    /// Whether its level is the outcome of its drivers: no fault is on it, and no late change to come.
+    #[inline]
+    pub(super) fn is_plain(&self) -> bool {
+        self.faults.is_empty() && self.late.is_empty()
+    }
+
+    /// Takes the outcome of the drivers of a line that is plain. Returns whether the level changed.
+    #[inline]
+    pub(super) fn follow(&mut self, raw: Value) -> bool {
+        (self.raw, self.base) = (raw, raw);
+        std::mem::replace(&mut self.level, raw) != raw
+    }
+
     /// Takes the outcome of the drivers. Returns whether the level changed.
     pub(super) fn update(&mut self, now: Time, raw: Value) -> bool {
         if raw != self.raw {

@@ -5,10 +5,12 @@ mod buses;
 mod can;
 mod can_bits;
 mod checks;
+mod dirty;
 mod line;
 mod links;
 mod serial;
 mod tally;
+mod timetable;
 mod wire;
 
 pub use board::{MAX_PENDING, SimulatedBoard};
