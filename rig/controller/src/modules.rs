@@ -3,11 +3,13 @@
 use crate::bus::ExpansionBus;
 use crate::cartridge::Cartridge;
 use crate::config::{Config, OutputsInStop};
+use crate::effect::Effects;
 use crate::memory::Memory;
-use crate::module::{IoModule, ModuleChannel, TaskModule};
+use crate::module::{IoModule, ModuleChannel, TaskModule, fire};
 use crate::state::State;
+use crate::terminal::Terminal;
 use profile::{IoChannel, IoStatus, ModuleFamily};
-use signal::{Cause, Time};
+use signal::{Cause, Time, Value};
 
 /// Which outputs of modules take their default values when initialization values are over (controller:OUT-05, controller:OUT-06).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -90,14 +92,40 @@ impl Modules {
             .chain(self.list.iter_mut().map(|module| &mut **module as &mut dyn TaskModule))
     }
 
-    /// Each module, first the embedded I/O.
+    /// Lets a change come to each module, first to the embedded I/O.
     #[inline]
-    pub(crate) fn all<'a>(
-        &'a mut self,
-        embedded: &'a mut dyn TaskModule,
-    ) -> impl Iterator<Item = &'a mut dyn IoModule> {
-        let list = self.list.iter_mut().map(|module| &mut **module as &mut dyn IoModule);
-        std::iter::once(embedded as &mut dyn IoModule).chain(list).chain(self.bus.modules_mut())
+    pub(crate) fn each(&mut self, embedded: &mut dyn TaskModule, mut change: impl FnMut(&mut dyn IoModule)) {
+        change(embedded);
+        self.list.iter_mut().for_each(|module| change(&mut **module));
+        self.bus.each_module(change);
+    }
+
+    /// What is at the terminal of an input of a module from `now` on; 0 is the embedded I/O.
+    #[inline]
+    pub(crate) fn set_input(
+        &mut self,
+        embedded: &mut dyn IoModule,
+        now: Time,
+        terminal: Terminal,
+        value: Value,
+    ) {
+        let IoChannel::Input(input) = terminal.channel else { return };
+        let Some(place) = terminal.module.checked_sub(1) else {
+            return embedded.set_input(now, input, value);
+        };
+        match self.list.get_mut(place) {
+            Some(module) => module.set_input(now, input, value),
+            None => self.bus.set_input(place - self.list.len(), now, input, value),
+        }
+    }
+
+    /// The changes of outputs that are due at `now` come out; whether there were any.
+    pub(crate) fn fire(&mut self, embedded: &mut dyn IoModule, now: Time, fx: &mut Effects) -> bool {
+        let mut any = fire(0, embedded, now, fx);
+        for (place, module) in self.list.iter_mut().enumerate() {
+            any |= fire(1 + place, &mut **module, now, fx);
+        }
+        any | self.bus.fire(now, 1 + self.list.len(), fx)
     }
 
     /// Each module after the embedded I/O.
@@ -164,7 +192,7 @@ impl Modules {
     /// When something happens in one of them by itself.
     #[inline]
     pub(crate) fn next(&self) -> Time {
-        self.others().map(|module| module.next()).min().unwrap_or(Time::MAX).min(self.bus.next())
+        self.list.iter().map(|module| module.next()).min().unwrap_or(Time::MAX).min(self.bus.next())
     }
 
     /// The status of the first of them that is not as it should be (controller:SYS-06). None is configured without an

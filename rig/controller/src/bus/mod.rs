@@ -24,9 +24,10 @@ pub use start::{BusStart, ConfiguredPosition, ExtraModules, PositionState, compa
 use crate::analogue::AnalogueModule;
 use crate::command::CommandError;
 use crate::config::Config;
+use crate::effect::Effects;
 use crate::external::ModuleFault;
 use crate::memory::Memory;
-use crate::module::{IoModule, Sharing};
+use crate::module::{IoModule, Sharing, fire};
 use digital::DigitalModule;
 use exchange::Exchange;
 use fitted::FittedModules;
@@ -36,7 +37,7 @@ use profile::{
     ModuleKind, ModuleState, ModuleType, NO_FIRMWARE_VERSION, Profile, Tm3BusState, module_indices,
 };
 use safety::SafetyModule;
-use signal::{Address, Area, Cause, Image, Time};
+use signal::{Address, Area, Cause, Image, Time, Value};
 
 /// A module as the bus sees it.
 pub(crate) trait BusModule: IoModule {
@@ -157,6 +158,8 @@ pub(crate) struct ExpansionBus {
     start_state: Tm3BusState,
     /// The state of a module changed since somebody asked.
     changed: bool,
+    /// When something happens by itself, on the bus or in a module: kept, because the controller asks at each turn.
+    due: Time,
 }
 
 impl ExpansionBus {
@@ -209,7 +212,9 @@ impl ExpansionBus {
             is_off: false,
             start_state: Tm3BusState::Ok,
             changed: false,
+            due: Time::MAX,
         }
+        .looking_ahead()
     }
 
     /// Its modules, in the order of the configuration.
@@ -217,9 +222,35 @@ impl ExpansionBus {
         self.positions.iter().map(|it| &*it.module as &dyn IoModule)
     }
 
-    /// The same, to be changed.
-    pub(crate) fn modules_mut(&mut self) -> impl Iterator<Item = &mut dyn IoModule> {
-        self.positions.iter_mut().map(|it| &mut *it.module as &mut dyn IoModule)
+    /// Lets a change come to each module, in the order of the configuration.
+    pub(crate) fn each_module(&mut self, mut change: impl FnMut(&mut dyn IoModule)) {
+        self.positions.iter_mut().for_each(|it| change(&mut *it.module));
+        self.look_ahead();
+    }
+
+    /// What is at the terminal of an input of the module at this place from `now` on.
+    pub(crate) fn set_input(&mut self, place: usize, now: Time, input: usize, value: Value) {
+        let Some(Position { module, .. }) = self.positions.get_mut(place) else { return };
+        let before = module.next();
+        module.set_input(now, input, value);
+        if module.next() != before {
+            self.look_ahead();
+        }
+    }
+
+    fn looking_ahead(mut self) -> ExpansionBus {
+        self.look_ahead();
+        self
+    }
+
+    /// Finds out when something happens by itself. Whatever may have changed that calls it.
+    fn look_ahead(&mut self) {
+        self.due = self.earliest();
+    }
+
+    fn earliest(&self) -> Time {
+        let each = |it: &Position| it.module.next().min(it.exchange.outputs_off());
+        self.positions.iter().map(each).min().unwrap_or(Time::MAX)
     }
 
     /// Learns which task of a new application uses which channels.
@@ -277,6 +308,7 @@ impl ExpansionBus {
         if (self.active || differs) && self.start_state != Tm3BusState::Ok {
             self.switch_off(now);
         }
+        self.look_ahead();
     }
 
     /// Something is wrong with the module of this index of TM3_MODULE_R from `now` on, or is over.
@@ -325,6 +357,7 @@ impl ExpansionBus {
                 position.module.power_on(now);
             }
         }
+        self.look_ahead();
     }
 
     /// How errors are handled from now on. A bus that is off stays so.
@@ -347,6 +380,7 @@ impl ExpansionBus {
             position.found = None;
             position.exchange.stop();
         }
+        self.look_ahead();
     }
 
     /// The state of the module of this index of TM3_MODULE_R (io:DIAG-01).
@@ -431,6 +465,7 @@ impl ExpansionBus {
             if self.active && self.is_in_error() {
                 self.switch_off(now);
             }
+            self.look_ahead();
         }
         let shared = rank.and_then(|rank| self.shared.get(rank)).unwrap_or(&self.all);
         let shared = if self.is_off { &self.all } else { shared };
@@ -467,6 +502,7 @@ impl ExpansionBus {
                     module.write(now, &self.image.outputs, memory);
                 }
             }
+            self.look_ahead();
         }
         changed
     }
@@ -507,18 +543,28 @@ impl ExpansionBus {
         }
     }
 
-    /// When the outputs of a silent module switch themselves off; [`Time::MAX`] for never.
+    /// When something happens by itself: an edge of an output comes out, or the outputs of a silent module switch themselves off;
+    /// [`Time::MAX`] for never.
+    #[inline]
     pub(crate) fn next(&self) -> Time {
-        self.positions.iter().map(|position| position.exchange.outputs_off()).min().unwrap_or(Time::MAX)
+        debug_assert_eq!(self.due, self.earliest(), "somebody did not look ahead");
+        self.due
     }
 
-    /// What is due at `now` happens.
-    pub(crate) fn fire(&mut self, now: Time) {
-        for position in &mut self.positions {
+    /// What is due at `now` happens; `first` is the number of the first module. Whether an output changed.
+    pub(crate) fn fire(&mut self, now: Time, first: usize, fx: &mut Effects) -> bool {
+        if self.next() > now {
+            return false;
+        }
+        let mut any = false;
+        for (place, position) in self.positions.iter_mut().enumerate() {
             if position.exchange.outputs_off() <= now {
                 position.exchange.switched_off();
                 position.clear(now);
             }
+            any |= fire(first + place, &mut *position.module, now, fx);
         }
+        self.look_ahead();
+        any
     }
 }

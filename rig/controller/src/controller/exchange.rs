@@ -5,7 +5,7 @@
 //! "Always update variables" (controller:DEV-10, controller:DEV-12; docs/decisions/0011-exchange-of-inputs-and-outputs.md).
 
 use super::Controller;
-use crate::module::{ExchangeCycle, Sharing, Written, fire};
+use crate::module::{ExchangeCycle, Sharing, Written};
 use crate::probes::class;
 use crate::{Effects, ModuleChannel, Terminal};
 use profile::{IoChannel, ModuleState};
@@ -15,10 +15,7 @@ impl Controller {
     /// What is at the terminal of an input from `now` on: a level, or a number in the unit of an analogue channel.
     /// Terminals that there are not are ignored.
     pub fn input(&mut self, now: Time, terminal: Terminal, value: Value) {
-        let IoChannel::Input(input) = terminal.channel else { return };
-        if let Some(module) = self.modules.all(&mut self.io).nth(terminal.module) {
-            module.set_input(now, input, value);
-        }
+        self.modules.set_input(&mut self.io, now, terminal, value);
     }
 
     /// The state of the expansion module of this index of TM3_MODULE_R (io:DIAG-01).
@@ -62,23 +59,17 @@ impl Controller {
 
     /// The electronics of inputs and outputs come up.
     pub(super) fn power_modules(&mut self, now: Time) {
-        for module in self.modules.all(&mut self.io) {
-            module.power_on(now);
-        }
+        self.modules.each(&mut self.io, |module| module.power_on(now));
     }
 
     /// The electronics of inputs and outputs lose their supply.
     pub(super) fn cut_modules(&mut self, now: Time) {
-        for module in self.modules.all(&mut self.io) {
-            module.power_off(now);
-        }
+        self.modules.each(&mut self.io, |module| module.power_off(now));
     }
 
     /// Outputs show hardware initialization values (controller:OUT-02).
     pub(super) fn initialize_outputs(&mut self, now: Time) {
-        for module in self.modules.all(&mut self.io) {
-            module.initialize(now);
-        }
+        self.modules.each(&mut self.io, |module| module.initialize(now));
     }
 
     /// The inputs of the task of this rank, or without one all of them, with forcing -> %I.
@@ -115,11 +106,7 @@ impl Controller {
 
     /// The changes of outputs that are due at `now` come out.
     pub(super) fn fire_outputs(&mut self, now: Time, fx: &mut Effects) {
-        let mut any = false;
-        self.modules.bus.fire(now);
-        for (number, module) in self.modules.all(&mut self.io).enumerate() {
-            any |= fire(number, module, now, fx);
-        }
+        let any = self.modules.fire(&mut self.io, now, fx);
         if any {
             self.observe(class::TERMINAL, now, Cause::Unknown, fx);
         }
