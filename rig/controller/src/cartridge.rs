@@ -1,7 +1,7 @@
 //! A cartridge of an M241: its channels are exchanged by each task, as the embedded ones are (io: section 9).
 
 use crate::analogue::AnalogueModule;
-use crate::bus::image::{SharedBytes, VirtualImage};
+use crate::bus::image::{SharedBits, VirtualImage};
 use crate::memory::Memory;
 use crate::module::{ExchangeCycle, IoModule, ModuleChannel, OutputChanges, Sharing, TaskModule, Written};
 use profile::{ConfiguredModule, IoStatus, ModuleAddresses, Profile};
@@ -16,9 +16,9 @@ pub(crate) struct Cartridge {
     /// What it last read and was last written.
     image: VirtualImage,
     /// What each task exchanges, by rank.
-    shared: Vec<SharedBytes>,
+    shared: Vec<SharedBits>,
     /// The same of an update in STOPPED and HALT: everything.
-    all: SharedBytes,
+    all: SharedBits,
 }
 
 impl Cartridge {
@@ -30,11 +30,11 @@ impl Cartridge {
         fitted: bool,
     ) -> Cartridge {
         let module = AnalogueModule::new(configured, addresses);
-        let all = SharedBytes::of(module.places(), |_| true);
+        let all = SharedBits::of(module.places(), |_| true);
         Cartridge { module, fitted, image: VirtualImage::new(profile), shared: Vec::new(), all }
     }
 
-    fn shared(&self, cycle: ExchangeCycle) -> &SharedBytes {
+    fn shared(&self, cycle: ExchangeCycle) -> &SharedBits {
         cycle.rank.and_then(|rank| self.shared.get(rank)).unwrap_or(&self.all)
     }
 }
@@ -81,7 +81,7 @@ impl IoModule for Cartridge {
 impl TaskModule for Cartridge {
     fn share(&mut self, sharing: &Sharing<'_>) {
         let of =
-            |rank| SharedBytes::of(self.module.places(), |address: Address| sharing.exchanges(rank, address));
+            |rank| SharedBits::of(self.module.places(), |address: Address| sharing.exchanges(rank, address));
         self.shared = (0..sharing.tasks()).map(of).collect();
     }
 

@@ -144,25 +144,21 @@ impl Memory {
         self.inputs.set(at, value)
     }
 
-    /// Sets these bits of a byte of %I; whether any changed.
+    /// Sets these bits of a word of 64 of %I; whether any changed.
     #[inline]
-    pub(crate) fn set_input_bits(&mut self, at: usize, mask: u8, bits: u8) -> bool {
-        let Some(byte) = self.inputs.bytes_mut().get_mut(at) else { return false };
-        let new = *byte & !mask | bits & mask;
-        std::mem::replace(byte, new) != new
+    pub(crate) fn set_input_bits(&mut self, at: usize, mask: u64, bits: u64) -> bool {
+        self.inputs.set_bits(at, mask, bits)
     }
 
-    /// Sets these bits of a byte of %Q to 0; whether any changed.
-    pub(crate) fn clear_output_bits(&mut self, at: usize, mask: u8) -> bool {
-        let Some(byte) = self.outputs.bytes_mut().get_mut(at) else { return false };
-        let new = *byte & !mask;
-        std::mem::replace(byte, new) != new
+    /// Sets these bits of a word of 64 of %Q to 0; whether any changed.
+    pub(crate) fn clear_output_bits(&mut self, at: usize, mask: u64) -> bool {
+        self.outputs.set_bits(at, mask, 0)
     }
 
-    /// A byte of %Q.
+    /// A word of 64 bits of %Q.
     #[inline]
-    pub(crate) fn output_byte(&self, at: usize) -> u8 {
-        self.outputs.bytes().get(at).copied().unwrap_or(0)
+    pub(crate) fn output_word(&self, at: usize) -> u64 {
+        self.outputs.word(at)
     }
 
     /// The embedded outputs whose bits in %Q are 1.

@@ -59,6 +59,33 @@ impl Image {
         }
     }
 
+    /// The `place`th word of 64 bits, from that of bit 0; what is beyond the end reads 0.
+    #[inline]
+    pub fn word(&self, place: usize) -> u64 {
+        match self.bytes.get(place * 8..) {
+            Some([a, b, c, d, e, f, g, h, ..]) => u64::from_le_bytes([*a, *b, *c, *d, *e, *f, *g, *h]),
+            Some(rest) => rest.iter().rev().fold(0, |word, byte| word << 8 | u64::from(*byte)),
+            None => 0,
+        }
+    }
+
+    /// Stores those bits of the `place`th word of 64 that are 1 in `mask`; whether any changed. Beyond the end nothing does.
+    #[inline]
+    pub fn set_bits(&mut self, place: usize, mask: u64, bits: u64) -> bool {
+        let old = self.word(place);
+        let new = (old & !mask | bits & mask).to_le_bytes();
+        let before = old.to_le_bytes();
+        if new == before {
+            return false;
+        }
+        let Some(bytes) = self.bytes.get_mut(place * 8..) else { return false };
+        let mut changed = false;
+        for (byte, new) in bytes.iter_mut().zip(new) {
+            changed |= std::mem::replace(byte, new) != new;
+        }
+        changed
+    }
+
     /// The `bit`th bit, from bit 0 of byte 0; FALSE beyond the end.
     #[inline]
     fn get_bit(&self, bit: u32) -> bool {
@@ -117,7 +144,40 @@ mod tests {
         assert!(!image.set(at("%MX8.0"), 1));
     }
 
+    #[test]
+    fn words_end_with_the_image() {
+        let mut image = Image::new(80);
+        assert!(image.set_bits(0, 0xF0, 0xA5));
+        assert!(!image.set_bits(0, 0xF0, 0xAF), "no bit of the mask changed");
+        assert!(image.set_bits(1, u64::MAX, 0x1234_5678));
+        assert_eq!((image.word(0), image.word(1), image.word(2)), (0xA0, 0x5678, 0));
+        assert!(!image.set_bits(1, 0xFFFF_0000, u64::MAX), "beyond the end");
+        assert!(!image.set_bits(2, u64::MAX, 1));
+        assert_eq!(image.get(at("%MW4")), 0x5678);
+    }
+
     proptest! {
+        /// Words against an oracle of single bits.
+        #[test]
+        fn words_equal_single_bits(ops in proptest::collection::vec((0usize..4, any::<u64>(), any::<u64>()), 1..20)) {
+            let mut image = Image::new(160);
+            let mut oracle = [false; 160];
+            for (place, mask, bits) in ops {
+                let mut changed = false;
+                for bit in (0..64).filter(|bit| mask >> bit & 1 == 1) {
+                    if let Some(one) = oracle.get_mut(place * 64 + bit) {
+                        let new = bits >> bit & 1 == 1;
+                        changed |= std::mem::replace(one, new) != new;
+                    }
+                }
+                prop_assert_eq!(image.set_bits(place, mask, bits), changed);
+                for (bit, on) in oracle.iter().enumerate() {
+                    prop_assert_eq!(image.get_bit(bit as u32), *on);
+                    prop_assert_eq!(image.word(bit / 64) >> (bit % 64) & 1 == 1, *on);
+                }
+            }
+        }
+
         /// Every access against an oracle of single bits.
         #[test]
         fn accesses_equal_single_bits(ops in proptest::collection::vec((0u8..5, 0u32..200, any::<u64>()), 1..60)) {

@@ -4,22 +4,23 @@ use crate::memory::Memory;
 use profile::Profile;
 use signal::{Address, Area, Image};
 
-/// The bytes of the images that somebody exchanges with the virtual image.
+/// The bits of the images that somebody exchanges with the virtual image, by words of 64: a rack has some hundred bytes, and a
+/// cycle does not go through them one by one.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct SharedBytes {
-    /// Bytes of %I, each with the bits that are meant.
-    inputs: Vec<(usize, u8)>,
-    /// Bytes of %Q, each with the bits that are meant.
-    outputs: Vec<(usize, u8)>,
+pub(crate) struct SharedBits {
+    /// Words of %I, each with the bits that are meant.
+    inputs: Vec<(usize, u64)>,
+    /// Words of %Q, each with the bits that are meant.
+    outputs: Vec<(usize, u64)>,
 }
 
-impl SharedBytes {
+impl SharedBits {
     /// Those of the places that are meant.
     pub(crate) fn of(
         places: impl Iterator<Item = Address>,
         is_meant: impl Fn(Address) -> bool,
-    ) -> SharedBytes {
-        let mut shared = SharedBytes::default();
+    ) -> SharedBits {
+        let mut shared = SharedBits::default();
         for place in places.filter(|place| is_meant(*place)) {
             let list = match place.area() {
                 Area::Input => &mut shared.inputs,
@@ -28,12 +29,22 @@ impl SharedBytes {
             };
             let first = place.bit_offset();
             for bit in first..first + place.bit_len() {
-                let (byte, mask) = (bit as usize / 8, 1 << (bit % 8));
+                let (word, mask) = (bit as usize / 64, 1 << (bit % 64));
                 match list.last_mut() {
-                    Some((last, bits)) if *last == byte => *bits |= mask,
-                    _ => list.push((byte, mask)),
+                    Some((last, bits)) if *last == word => *bits |= mask,
+                    _ => list.push((word, mask)),
                 }
             }
+        }
+        for list in [&mut shared.inputs, &mut shared.outputs] {
+            list.sort_unstable();
+            list.dedup_by(|later, first| {
+                let same = later.0 == first.0;
+                if same {
+                    first.1 |= later.1;
+                }
+                same
+            });
         }
         shared
     }
@@ -47,13 +58,13 @@ impl SharedBytes {
         };
         let first = address.bit_offset();
         let has =
-            |bit: u32| list.iter().any(|(at, mask)| *at == bit as usize / 8 && mask >> (bit % 8) & 1 == 1);
+            |bit: u32| list.iter().any(|(at, mask)| *at == bit as usize / 64 && mask >> (bit % 64) & 1 == 1);
         (first..first + address.bit_len()).all(has)
     }
 
     /// Sets their %Q to 0; whether that changed.
     pub(crate) fn clear_outputs(&self, memory: &mut Memory) -> bool {
-        let clear = |(at, mask): &(usize, u8)| memory.clear_output_bits(*at, *mask);
+        let clear = |(at, mask): &(usize, u64)| memory.clear_output_bits(*at, *mask);
         self.outputs.iter().map(clear).fold(false, |any, changed| any | changed)
     }
 }
@@ -80,22 +91,16 @@ impl VirtualImage {
 
     /// Inputs -> %I; whether that changed.
     #[inline]
-    pub(crate) fn to_inputs(&self, shared: &SharedBytes, memory: &mut Memory) -> bool {
-        let bytes = self.inputs.bytes();
-        let put = |(at, mask): &(usize, u8)| {
-            memory.set_input_bits(*at, *mask, bytes.get(*at).copied().unwrap_or(0))
-        };
+    pub(crate) fn to_inputs(&self, shared: &SharedBits, memory: &mut Memory) -> bool {
+        let put = |(at, mask): &(usize, u64)| memory.set_input_bits(*at, *mask, self.inputs.word(*at));
         shared.inputs.iter().map(put).fold(false, |any, changed| any | changed)
     }
 
     /// %Q -> outputs.
     #[inline]
-    pub(crate) fn take_outputs(&mut self, shared: &SharedBytes, memory: &Memory) {
-        let bytes = self.outputs.bytes_mut();
+    pub(crate) fn take_outputs(&mut self, shared: &SharedBits, memory: &Memory) {
         for (at, mask) in &shared.outputs {
-            if let Some(byte) = bytes.get_mut(*at) {
-                *byte = *byte & !mask | memory.output_byte(*at) & mask;
-            }
+            self.outputs.set_bits(*at, *mask, memory.output_word(*at));
         }
     }
 }
@@ -109,11 +114,11 @@ mod tests {
     }
 
     #[test]
-    fn bits_and_words_become_bytes_with_masks() {
-        let all = places(&["%IX3.6", "%IX3.7", "%IX4.0", "%IW4", "%QX2.1", "%QW2"]);
-        let shared = SharedBytes::of(all, |address| address != "%IX3.6".parse().unwrap());
-        assert_eq!(shared.inputs, [(3, 0x80), (4, 0x01), (8, 0xFF), (9, 0xFF)]);
-        assert_eq!(shared.outputs, [(2, 0x02), (4, 0xFF), (5, 0xFF)]);
+    fn bits_and_words_become_words_with_masks() {
+        let all = places(&["%IX3.6", "%IX3.7", "%IX4.0", "%IW4", "%IX0.0", "%QX2.1", "%QW2"]);
+        let shared = SharedBits::of(all, |address| address != "%IX3.6".parse().unwrap());
+        assert_eq!(shared.inputs, [(0, 0x01_8000_0001), (1, 0xFFFF)]);
+        assert_eq!(shared.outputs, [(0, 0xFFFF_0002_0000)]);
     }
 
     #[test]
@@ -121,7 +126,7 @@ mod tests {
         let mut memory = Memory::new(Profile::default());
         let mut image = VirtualImage::new(Profile::default());
         image.inputs.bytes_mut()[3] = 0xFF;
-        let shared = SharedBytes::of(places(&["%IX3.6", "%QX2.1"]), |_| true);
+        let shared = SharedBits::of(places(&["%IX3.6", "%QX2.1"]), |_| true);
         assert!(image.to_inputs(&shared, &mut memory));
         assert!(!image.to_inputs(&shared, &mut memory), "nothing is new");
         assert_eq!(memory.load("%IB3".parse().unwrap()), 0x40);

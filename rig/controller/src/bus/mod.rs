@@ -31,7 +31,7 @@ use crate::module::{IoModule, Sharing, fire};
 use digital::DigitalModule;
 use exchange::Exchange;
 use fitted::FittedModules;
-use image::{SharedBytes, VirtualImage};
+use image::{SharedBits, VirtualImage};
 use profile::{
     ChannelStatus, ConfiguredModule, ExchangeCode, IoStatus, LOCAL_MODULES, ModuleAddresses, ModuleFamily,
     ModuleKind, ModuleState, ModuleType, NO_FIRMWARE_VERSION, Profile, Tm3BusState, module_indices,
@@ -139,9 +139,9 @@ pub(crate) struct ExpansionBus {
     extra: bool,
     image: VirtualImage,
     /// What each task exchanges with the virtual image, by rank.
-    shared: Vec<SharedBytes>,
+    shared: Vec<SharedBits>,
     /// The same of an update in STOPPED and HALT: everything.
-    all: SharedBytes,
+    all: SharedBits,
     /// The outputs on which forcing comes to act with the cycles of each task, by rank: those that it writes, or exchanges where
     /// none writes them (controller:FRC-05).
     forced_with: Vec<Vec<Address>>,
@@ -195,7 +195,7 @@ impl ExpansionBus {
         for position in &mut positions {
             position.follow(&fitted);
         }
-        let all = SharedBytes::of(positions.iter().flat_map(Position::places), |_| true);
+        let all = SharedBits::of(positions.iter().flat_map(Position::places), |_| true);
         ExpansionBus {
             positions,
             fitted,
@@ -261,7 +261,7 @@ impl ExpansionBus {
         let exchanges = |rank, at: Address| {
             sharing.exchanges(rank, at) || Some(rank) == sharing.bus_cycle() && always.contains(&at)
         };
-        let of = |rank| SharedBytes::of(places(), |at| exchanges(rank, at));
+        let of = |rank| SharedBits::of(places(), |at| exchanges(rank, at));
         self.shared = (0..sharing.tasks()).map(of).collect();
         let forced_with = |rank| {
             let outputs = places().filter(|at| at.area() == Area::Output);
