@@ -36,8 +36,9 @@ pub(super) struct AnalogueInput {
     since: Time,
     /// The value after the filter at that instant.
     from: f64,
-    /// The conversion will not change until something changes at the terminal.
-    settled: bool,
+    /// Before then a read gives what it gave before: the next conversion of what is at the terminal, [`Time::MAX`] where all of
+    /// them give the same until something changes there.
+    due: Time,
     converted: Converted,
     /// The same when it was read last.
     read: Converted,
@@ -61,7 +62,7 @@ impl AnalogueInput {
             terminal: open,
             since: Time::MIN,
             from: 0.0,
-            settled: false,
+            due: Time::MIN,
             converted: Converted::default(),
             read: Converted::default(),
         }
@@ -69,7 +70,8 @@ impl AnalogueInput {
 
     /// The electronics come up at `now`: the filter stands at what is at the terminal, and nothing is converted yet.
     pub(super) fn power_on(&mut self, now: Time) {
-        (self.powered, self.since, self.settled) = (now, now, false);
+        (self.powered, self.since) = (now, now);
+        self.due = self.conversion_after(now);
         (self.converted, self.read) = (Converted::default(), Converted::default());
         self.from = self.target().unwrap_or(0.0);
     }
@@ -84,20 +86,28 @@ impl AnalogueInput {
         if terminal == self.terminal {
             return;
         }
-        self.advance(now);
+        if now >= self.due {
+            self.advance(now);
+        }
         // A sensor that comes back is there at once: the filter had nothing to lag.
         self.from = match (self.target(), terminal) {
             (Some(_), _) => self.filtered(now),
             (None, Terminal::Value(new)) => new,
             (None, Terminal::Open) => 0.0,
         };
-        (self.terminal, self.since, self.settled) = (terminal, now, false);
+        (self.terminal, self.since) = (terminal, now);
+        self.due = self.conversion_after(now);
+    }
+
+    /// When it is converted first after an instant; an input without instants of its own is whenever it is read.
+    fn conversion_after(&self, at: Time) -> Time {
+        self.sampling.map_or(Time::MIN, |sampling| sampling.after(self.powered, at))
     }
 
     /// The last conversion up to `now`.
     #[inline]
     pub(super) fn read(&mut self, now: Time) -> Converted {
-        if !self.settled {
+        if now >= self.due {
             self.advance(now);
         }
         self.read = self.converted;
@@ -127,12 +137,12 @@ impl AnalogueInput {
             },
         };
         let Some(target) = self.target() else {
-            (self.converted, self.settled) = (self.scale.open(), true);
+            (self.converted, self.due) = (self.scale.open(), Time::MAX);
             return;
         };
         let value = parts(self.filtered(at));
         self.converted = self.scale.convert(value);
-        self.settled = value == parts(target);
+        self.due = if value == parts(target) { Time::MAX } else { self.conversion_after(at) };
     }
 
     /// The value after the filter at an instant since the last change.

@@ -89,11 +89,15 @@ impl AnalogueModule {
     /// byte is 0.
     #[inline]
     pub(crate) fn read(&mut self, now: Time, inputs: &mut Image) {
+        let bytes = inputs.bytes_mut();
         for Used { word, status, channel, .. } in &mut self.inputs {
             let converted = channel.read(now);
-            inputs.set(*word, u64::from(converted.word as u16));
-            if let Some(status) = status {
-                inputs.set(*status, u64::from(converted.status.code()));
+            let at = word.bit_offset() as usize / 8;
+            if let Some(place) = bytes.get_mut(at..at + 2) {
+                place.copy_from_slice(&converted.word.to_le_bytes());
+            }
+            if let Some(place) = status.and_then(|status| bytes.get_mut(status.bit_offset() as usize / 8)) {
+                *place = converted.status.code();
             }
         }
     }

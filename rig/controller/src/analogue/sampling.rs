@@ -24,6 +24,12 @@ impl Sampling {
         (since >= 0).then(|| first.saturating_add(Span::from_nanos(since / period * period)))
     }
 
+    /// The first one after an instant.
+    pub(super) fn after(self, powered: Time, at: Time) -> Time {
+        let first = powered.saturating_add(self.first);
+        self.last(powered, at).map_or(first, |last| last.saturating_add(self.period))
+    }
+
     /// Those of each input of a module; none for one that is not used, and for one that is converted whenever it is read,
     /// because no document has a time.
     pub(super) fn of(
@@ -66,5 +72,10 @@ mod tests {
         assert_eq!(last(3_000_500), Some(Time::from_nanos(3_000_500)));
         assert_eq!(last(13_000_499), Some(Time::from_nanos(3_000_500)));
         assert_eq!(last(23_000_500), Some(Time::from_nanos(23_000_500)));
+        let after = |at| sampling.after(Time::from_nanos(500), Time::from_nanos(at)).as_nanos();
+        assert_eq!(
+            [0, 3_000_499, 3_000_500, 23_000_499].map(after),
+            [3_000_500, 3_000_500, 13_000_500, 23_000_500]
+        );
     }
 }

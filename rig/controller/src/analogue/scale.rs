@@ -16,8 +16,19 @@ const PARTS: i64 = 1_000_000_000;
 const FAR: i64 = 1_000_000 * PARTS;
 
 /// The nearest whole billionths; those that are too many are held at the ends of the range.
+#[inline]
 pub(super) fn parts(real: f64) -> i64 {
-    libm::round(real * PARTS as f64) as i64
+    let parts = real * PARTS as f64;
+    let whole = parts as i64;
+    // What is left is exact, and 0 where whole numbers are too many: each input is here once for each conversion.
+    let rest = parts - whole as f64;
+    if rest >= 0.5 {
+        whole.saturating_add(1)
+    } else if rest <= -0.5 {
+        whole.saturating_sub(1)
+    } else {
+        whole
+    }
 }
 
 /// A figure of the catalogue in billionths.
@@ -199,6 +210,22 @@ mod tests {
     fn converted(scale: &InputScale, value: f64) -> (i16, u8) {
         let Converted { word, status } = scale.convert(parts(value));
         (word, status.code())
+    }
+
+    #[test]
+    fn parts_are_rounded_halves_away_from_zero() {
+        let mut random = signal::Random::new(1);
+        for _ in 0..100_000 {
+            let real = f64::from_bits(random.below(u64::MAX));
+            assert_eq!(parts(real), libm::round(real * PARTS as f64) as i64, "{real}");
+            let near = (random.below(u64::MAX) as i64 >> 20) as f64 / (2.0 * PARTS as f64);
+            assert_eq!(parts(near), libm::round(near * PARTS as f64) as i64, "{near}");
+        }
+        for real in
+            [0.0, -0.0, 0.5e-9, -0.5e-9, 0.499_999_999_999_999_94e-9, 1e300, -1e300, f64::INFINITY, f64::NAN]
+        {
+            assert_eq!(parts(real), libm::round(real * PARTS as f64) as i64, "{real}");
+        }
     }
 
     // io: 10.3: 12 bit of 10 V are steps of 2.44 mV.
