@@ -51,7 +51,7 @@ impl Power {
     pub(crate) fn next(&self) -> Time {
         let stage = self.stage.map(|(_, end)| end);
         let times = [self.hold_up, self.refresh, stage, self.cycle_due, self.creating];
-        times.into_iter().flatten().min().unwrap_or(Time::MAX)
+        times.into_iter().fold(Time::MAX, |next, time| time.map_or(next, |time| next.min(time)))
     }
 
     /// Step of BOOTING, 0...2; the last one also while its end is being worked on.

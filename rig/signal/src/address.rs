@@ -189,6 +189,7 @@ impl Address {
     /// The `index`th object of this size: for bits, counted through the area (`%IX1.2` is 10).
     ///
     /// `None` where its bits do not fit into 32-bit offsets.
+    #[inline]
     pub fn new(area: Area, size: Size, index: u32) -> Option<Self> {
         let first = index.checked_mul(size.bits())?;
         first.checked_add(size.bits())?;
@@ -196,17 +197,20 @@ impl Address {
     }
 
     /// The `bit`th bit of an area, from bit 0 of byte 0.
+    #[inline]
     pub const fn bit(area: Area, bit: u32) -> Self {
         // The very last bit would end beyond the 32-bit offsets.
         Address { area, first: if bit == u32::MAX { u32::MAX - 1 } else { bit }, size: Size::Bit }
     }
 
     /// The area.
+    #[inline]
     pub const fn area(self) -> Area {
         self.area
     }
 
     /// The size.
+    #[inline]
     pub const fn size(self) -> Size {
         self.size
     }
@@ -245,6 +249,7 @@ impl Address {
     ///
     /// # Errors
     /// [`AddressError::Outside`].
+    #[inline]
     pub const fn check(&self, limits: &AddressLimits) -> Result<(), AddressError> {
         let area_bits = limits.bits(self.area);
         if self.first + self.size.bits() <= area_bits {
