@@ -26,8 +26,7 @@ fn bench(quick: bool) -> Result<bool, String> {
     if quick {
         return Ok(goal(hour.passed, "verdict pass"));
     }
-    let mut days =
-        [measure_apart(SECONDS, 24)?, measure_apart(SECONDS, 24)?, measure_apart(SECONDS, 24)?];
+    let mut days = [measure_apart(SECONDS, 24)?, measure_apart(SECONDS, 24)?, measure_apart(SECONDS, 24)?];
     days.sort_by(|a, b| a.busy.total_cmp(&b.busy));
     let [_, day, _] = days;
     let growth = (day.peak as f64 / hour.peak.max(1) as f64 - 1.0) * 100.0;

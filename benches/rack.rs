@@ -29,8 +29,7 @@ fn bench(quick: bool) -> Result<bool, String> {
     if quick {
         return Ok(goal(hour.passed, "verdict pass"));
     }
-    let mut days =
-        [measure_apart(SECONDS, 24)?, measure_apart(SECONDS, 24)?, measure_apart(SECONDS, 24)?];
+    let mut days = [measure_apart(SECONDS, 24)?, measure_apart(SECONDS, 24)?, measure_apart(SECONDS, 24)?];
     days.sort_by(|a, b| a.busy.total_cmp(&b.busy));
     let [_, day, _] = days;
     println!("without modules:");

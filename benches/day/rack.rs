@@ -28,7 +28,7 @@ reference = "TM241CEC24T"
 kind = "simulated"
 "#;
 
-/// Level loops, heaters of two points, batches. Each loop is a controller of reals in each cycle.
+/// Level loops of reals, batches, heaters of two points, a running light, relays that count.
 const PROGRAM: &str = r#"
 FUNCTION_BLOCK LEVEL_LOOP
 VAR_INPUT measured : INT; status : USINT; target : REAL; END_VAR
@@ -39,7 +39,7 @@ IF status <> 0 THEN
     RETURN;
 END_IF;
 error := target - INT_TO_REAL(measured);
-sum := LIMIT(0.0, sum + error * 0.0002, 10000.0);
+sum := LIMIT(0.0, sum + error * 0.0016, 10000.0);
 command := LIMIT(0.0, error * 2.0 + sum, 10000.0);
 out := REAL_TO_INT(command);
 END_FUNCTION_BLOCK
@@ -51,11 +51,11 @@ VAR step : INT; wait : TON; END_VAR
 CASE step OF
     0: fill := TRUE;
        IF measured >= 8000 THEN fill := FALSE; step := 1; END_IF;
-    1: IF wait.Q THEN step := 2; END_IF;
+    1: wait(IN := TRUE, PT := T#10s);
+       IF wait.Q THEN wait(IN := FALSE); step := 2; END_IF;
     2: drain := TRUE;
        IF measured <= 1000 THEN drain := FALSE; count := count + 1; step := 0; END_IF;
 END_CASE;
-wait(IN := step = 1, PT := T#10s);
 END_FUNCTION_BLOCK
 
 PROGRAM MAIN
@@ -71,6 +71,7 @@ VAR
     floats AT %IW2 : WORD;
     contacts AT %IW3 : WORD;
     n, seconds, differs : DINT;
+    most : INT;
     target : REAL := 4500.0;
 "#;
 
@@ -109,47 +110,62 @@ fn positioner(n: usize) -> (usize, String) {
 fn program() -> String {
     let mut text = PROGRAM.to_owned();
     let mut body = BODY.to_owned();
+    // What is slow has its turn in each eighth cycle: a loop, a batch, a lag and a heater.
+    body += "CASE n MOD 8 OF\n";
     for n in 0..8 {
         let _ = writeln!(text, "level{n} AT %IW{} : INT;", LEVELS.0 + n);
         let _ = writeln!(text, "status{n} AT %IB{} : USINT;", LEVELS.1 + n);
         let _ = writeln!(text, "valve{n} AT %QW{} : INT;", positioner(n).0);
-        let _ = writeln!(text, "consumer{n} AT %QX4.{n} : BOOL;");
+        let _ = writeln!(text, "consumer{n} AT %QX4.{n} : BOOL;\ncycles{n} : INT;");
         let _ = writeln!(text, "loop{n} : LEVEL_LOOP;");
-        let _ =
-            writeln!(body, "loop{n}(measured := level{n}, status := status{n}, target := target + {n}.0 * 40.0);");
-        let _ = writeln!(body, "valve{n} := loop{n}.out;");
-        // Consumers come and go, each in a time of its own.
-        let _ = writeln!(body, "consumer{n} := (seconds / {}) MOD 2 = 0;", 60 + 7 * n);
         let _ = writeln!(text, "amount{n} AT %IW{} : INT;", BATCHES.0 + n);
         let _ = writeln!(text, "pump{n} AT %QX5.{n} : BOOL;");
         let _ = writeln!(text, "outlet{n} AT %QX6.{n} : BOOL;");
         let _ = writeln!(text, "batch{n} : BATCH;");
-        let _ = writeln!(body, "batch{n}(measured := amount{n});");
-        let _ = writeln!(body, "pump{n} := batch{n}.fill;\noutlet{n} := batch{n}.drain;");
         let _ = writeln!(text, "pressure{n} AT %IW{} : INT;", LAGS + n);
-        let _ = writeln!(text, "mean{n} : DINT;");
-        let _ = writeln!(body, "mean{n} := (mean{n} * 7 + INT_TO_DINT(pressure{n})) / 8;");
+        let _ = writeln!(body, "{n}:");
+        let target = n * 40;
+        let _ = writeln!(
+            body,
+            "loop{n}(measured := level{n}, status := status{n}, target := target + {target}.0);"
+        );
+        let _ = writeln!(body, "valve{n} := loop{n}.out;");
+        // Consumers come and go, each in a time of its own.
+        let _ = writeln!(body, "cycles{n} := cycles{n} + 1;");
+        let _ = writeln!(body, "IF cycles{n} >= {} THEN", 375 + 44 * n);
+        let _ = writeln!(body, "    cycles{n} := 0; consumer{n} := NOT consumer{n};\nEND_IF;");
+        let _ = writeln!(body, "batch{n}(measured := amount{n});");
+        let _ = writeln!(body, "pump{n} := batch{n}.fill; outlet{n} := batch{n}.drain;");
+        let _ = writeln!(body, "IF pressure{n} > most THEN most := pressure{n}; END_IF;");
+        // Four heaters with sensors of their own, and four with transmitters.
+        let (name, low, high) = if n < 4 {
+            let _ = writeln!(text, "value{n} AT %IW{} : INT;", SENSORS + n);
+            ("heater", 600 + 100 * n, 620 + 100 * n)
+        } else {
+            let _ = writeln!(text, "value{n} AT %IW{} : INT;", TRANSMITTERS + n - 4);
+            ("oven", 4000, 4100)
+        };
+        let _ = writeln!(text, "{name}{n} AT %QX7.{n} : BOOL;");
+        let _ = writeln!(body, "IF value{n} < {low} THEN {name}{n} := TRUE; END_IF;");
+        let _ = writeln!(body, "IF value{n} > {high} THEN {name}{n} := FALSE; END_IF;");
     }
-    for n in 0..4 {
-        let _ = writeln!(text, "degrees{n} AT %IW{} : INT;", SENSORS + n);
-        let _ = writeln!(text, "heater{n} AT %QX7.{n} : BOOL;");
-        let _ = writeln!(body, "IF degrees{n} < {0} THEN heater{n} := TRUE; END_IF;", 600 + 100 * n);
-        let _ = writeln!(body, "IF degrees{n} > {0} THEN heater{n} := FALSE; END_IF;", 620 + 100 * n);
-        let _ = writeln!(text, "signal{n} AT %IW{} : INT;", TRANSMITTERS + n);
-        let _ = writeln!(text, "oven{n} AT %QX7.{} : BOOL;", n + 4);
-        let _ = writeln!(body, "IF signal{n} < 4000 THEN oven{n} := TRUE; END_IF;");
-        let _ = writeln!(body, "IF signal{n} > 4100 THEN oven{n} := FALSE; END_IF;");
-    }
-    text + "END_VAR\n" + &body + "END_PROGRAM\n"
+    text + "END_VAR\n" + &body + "END_CASE;\nEND_PROGRAM\n"
 }
 
 fn board() -> String {
     let mut text = String::from(BOARD);
     text += "[channels]\n";
     // What wires and plants are at has to be described.
-    for (module, kind, count) in
-        [(1, 'I', 16), (2, 'I', 16), (3, 'Q', 16), (4, 'Q', 16), (10, 'I', 32), (11, 'Q', 32), (12, 'I', 16), (12, 'Q', 16)]
-    {
+    for (module, kind, count) in [
+        (1, 'I', 16),
+        (2, 'I', 16),
+        (3, 'Q', 16),
+        (4, 'Q', 16),
+        (10, 'I', 32),
+        (11, 'Q', 32),
+        (12, 'I', 16),
+        (12, 'Q', 16),
+    ] {
         for n in 0..count {
             let _ = writeln!(text, "\"M{module}.{kind}{n}\" = {{ kind = \"digital\" }}");
         }
@@ -164,8 +180,7 @@ fn board() -> String {
         (16, 'Q', 4, "V"),
     ] {
         for n in 0..count {
-            let _ =
-                writeln!(text, "\"M{module}.{kind}W{n}\" = {{ kind = \"analog\", unit = \"{unit}\" }}");
+            let _ = writeln!(text, "\"M{module}.{kind}W{n}\" = {{ kind = \"analog\", unit = \"{unit}\" }}");
         }
     }
     for n in 0..8 {
@@ -347,8 +362,10 @@ fn plan(seconds: u64) -> String {
     let beats = seconds * 25;
     let mut claims = vec![
         "state = { stays = \"RUNNING\", from = \"start\", until = \"end\" }".to_owned(),
-        "period = { signal = \"back\", is = \"40 ms\", tolerance = \"0.2 ms\", from = \"start + 1 s\" }".to_owned(),
-        "period = { signal = \"slow\", is = \"2 s\", tolerance = \"0.2 ms\", from = \"start + 3 s\" }".to_owned(),
+        "period = { signal = \"back\", is = \"40 ms\", tolerance = \"0.2 ms\", from = \"start + 1 s\" }"
+            .to_owned(),
+        "period = { signal = \"slow\", is = \"2 s\", tolerance = \"0.2 ms\", from = \"start + 3 s\" }"
+            .to_owned(),
         format!("edges = {{ signal = \"beat\", rising = \"{} .. {}\" }}", beats - 2, beats + 2),
     ];
     for n in 0..8 {
@@ -356,8 +373,12 @@ fn plan(seconds: u64) -> String {
         claims.push(format!("never = {{ signal = \"high{n}\" }}"));
         claims.push(format!("stays = {{ signal = \"low{n}\", is = true, from = \"start + 1 s\" }}"));
         claims.push(format!("never = {{ all = [\"pump{n}\", \"outlet{n}\"] }}"));
-        claims.push(format!("edges = {{ signal = \"pump{n}\", rising = \"{} ..\" }}", (seconds / 600).max(1)));
-        claims.push(format!("edges = {{ signal = \"contact{n}\", rising = \"{} ..\" }}", (seconds / 600).max(1)));
+        claims
+            .push(format!("edges = {{ signal = \"pump{n}\", rising = \"{} ..\" }}", (seconds / 600).max(1)));
+        claims.push(format!(
+            "edges = {{ signal = \"contact{n}\", rising = \"{} ..\" }}",
+            (seconds / 600).max(1)
+        ));
         claims.push(format!(
             "period = {{ signal = \"fan{n}\", is = \"20 s\", tolerance = \"0.2 ms\", from = \"start + 20 s\" }}"
         ));
@@ -366,8 +387,12 @@ fn plan(seconds: u64) -> String {
         ));
     }
     for n in 0..4 {
-        claims.push(format!("edges = {{ signal = \"heater{n}\", rising = \"{} ..\" }}", (seconds / 600).max(1)));
-        claims.push(format!("edges = {{ signal = \"oven{n}\", rising = \"{} ..\" }}", (seconds / 600).max(1)));
+        claims.push(format!(
+            "edges = {{ signal = \"heater{n}\", rising = \"{} ..\" }}",
+            (seconds / 600).max(1)
+        ));
+        claims
+            .push(format!("edges = {{ signal = \"oven{n}\", rising = \"{} ..\" }}", (seconds / 600).max(1)));
     }
     claims.push("edges = { signal = \"relay0\", rising = \"1 ..\" }".to_owned());
     for claim in claims {
