@@ -47,6 +47,7 @@ mod soak;
 mod step;
 mod stepped_rig;
 mod stimuli;
+mod templates;
 mod terminal;
 mod unread;
 mod verdicts;

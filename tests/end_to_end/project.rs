@@ -32,6 +32,7 @@ fn the_first_run_of_a_new_project_passes() {
         "plans/contactor.toml",
         "plans/start-stop.toml",
         "schemas/board.schema.json",
+        "schemas/included.schema.json",
         "schemas/plan.schema.json",
         "schemas/suite.schema.json",
         "src/motor.st",
@@ -47,7 +48,7 @@ fn the_first_run_of_a_new_project_passes() {
     within.current_dir(bench.path("site/press"));
     assert!(within.output().unwrap().status.success());
     assert!(bench.path("site/press/report/junit.xml").is_file());
-    for kind in ["plan", "board", "suite"] {
+    for kind in ["plan", "board", "suite", "included"] {
         assert_eq!(
             bench.read(&format!("site/press/schemas/{kind}.schema.json")),
             bench.expect(0, &["schema", kind]).out

@@ -3,7 +3,7 @@
 use crate::exit::ExitStatus;
 use crate::schema::{SchemaFormat, text as schema};
 use crate::{files, output};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 
 /// `rig new`.
@@ -11,36 +11,72 @@ use std::path::{Path, PathBuf};
 pub struct NewArgs {
     /// The folder; it is made if it is not there, and must be empty if it is.
     dir: PathBuf,
+    /// What the project controls.
+    #[arg(long, value_enum, default_value_t = TemplateName::Motor)]
+    template: TemplateName,
 }
 
-/// The files of a project as they are, by their paths in it.
-const TEMPLATE: &[(&str, &str)] = &[
-    ("README.md", include_str!("../template/README.md")),
-    ("src/motor.st", include_str!("../template/src/motor.st")),
-    ("suite.toml", include_str!("../template/suite.toml")),
-    ("boards/bench.toml", include_str!("../template/boards/bench.toml")),
-    ("plans/start-stop.toml", include_str!("../template/plans/start-stop.toml")),
-    ("plans/contactor.toml", include_str!("../template/plans/contactor.toml")),
-    (".gitlab-ci.yml", include_str!("../template/gitlab-ci.yml")),
-    (".github/workflows/rig.yml", include_str!("../template/github.yml")),
-    (".taplo.toml", include_str!("../template/taplo.toml")),
-    (".gitignore", "report/\n"),
-];
+/// The projects that there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum TemplateName {
+    /// A motor with two buttons, and a contactor that must answer.
+    Motor,
+}
+
+/// Files of a project by their paths in it.
+type ProjectFiles = &'static [(&'static str, &'static str)];
+
+/// A table of files: paths in the project, and where below `template` their texts are.
+macro_rules! project_files {
+    ($($path:literal = $from:literal),+ $(,)?) => {
+        &[$(($path, include_str!(concat!("../template/", $from)))),+]
+    };
+}
+
+/// What every project has.
+const COMMON: ProjectFiles = project_files!(
+    ".gitlab-ci.yml" = "common/gitlab-ci.yml",
+    ".github/workflows/rig.yml" = "common/github.yml",
+    ".taplo.toml" = "common/taplo.toml",
+    ".gitignore" = "common/gitignore",
+);
+
+const MOTOR: ProjectFiles = project_files!(
+    "README.md" = "motor/README.md",
+    "src/motor.st" = "motor/src/motor.st",
+    "suite.toml" = "motor/suite.toml",
+    "boards/bench.toml" = "motor/boards/bench.toml",
+    "plans/start-stop.toml" = "motor/plans/start-stop.toml",
+    "plans/contactor.toml" = "motor/plans/contactor.toml",
+);
+
+/// What stands in every README in place of `{{usage}}`.
+const USAGE: &str = include_str!("../template/common/usage.md");
 
 /// The schemas of a project.
 const SCHEMAS: &[(&str, SchemaFormat)] = &[
     ("schemas/plan.schema.json", SchemaFormat::Plan),
     ("schemas/board.schema.json", SchemaFormat::Board),
     ("schemas/suite.schema.json", SchemaFormat::Suite),
+    ("schemas/included.schema.json", SchemaFormat::Included),
 ];
+
+impl TemplateName {
+    fn files(self) -> ProjectFiles {
+        match self {
+            TemplateName::Motor => MOTOR,
+        }
+    }
+}
 
 /// Makes a project.
 pub fn run(args: &NewArgs) -> ExitStatus {
     let name = name(&args.dir);
-    let mut project: Vec<(PathBuf, Vec<u8>)> = TEMPLATE
-        .iter()
-        .map(|(path, text)| (PathBuf::from(path), text.replace("{{name}}", &name).into_bytes()))
-        .collect();
+    let mut project: Vec<(PathBuf, Vec<u8>)> = Vec::new();
+    for (path, text) in args.template.files().iter().chain(COMMON) {
+        let text = text.replace("{{usage}}\n", USAGE).replace("{{name}}", &name);
+        project.push((PathBuf::from(path), text.into_bytes()));
+    }
     for (path, of) in SCHEMAS {
         project.push((PathBuf::from(path), schema(*of).into_bytes()));
     }

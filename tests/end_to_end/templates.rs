@@ -1,0 +1,97 @@
+//! The projects that `rig new --template` makes: their files, their first run, and programs with a defect, which their plans
+//! must notice.
+
+use crate::project_folder::TestProject;
+use crate::project_folder::list;
+use std::path::Path;
+
+/// A defect in the program of a template, and the case that has to fail by it.
+struct Defect {
+    /// What is taken out of the program, and what stands there then.
+    part: &'static str,
+    by: &'static str,
+    fails: &'static str,
+}
+
+/// A template: its files beside those that every project has, how many cases it has, and defects of its program.
+struct Template {
+    name: &'static str,
+    program: &'static str,
+    files: &'static [&'static str],
+    cases: usize,
+    defects: &'static [Defect],
+}
+
+/// What every project has.
+const COMMON: &[&str] = &[
+    ".github/workflows/rig.yml",
+    ".gitignore",
+    ".gitlab-ci.yml",
+    ".taplo.toml",
+    "README.md",
+    "schemas/board.schema.json",
+    "schemas/included.schema.json",
+    "schemas/plan.schema.json",
+    "schemas/suite.schema.json",
+    "suite.toml",
+];
+
+const MOTOR: Template = Template {
+    name: "motor",
+    program: "src/motor.st",
+    files: &["boards/bench.toml", "plans/contactor.toml", "plans/start-stop.toml", "src/motor.st"],
+    cases: 3,
+    defects: &[Defect { part: "IF answer.Q THEN", by: "IF FALSE THEN", fails: "plans/contactor[held]" }],
+};
+
+/// Every file below a folder, by its path within.
+fn files(folder: &Path) -> Vec<String> {
+    let mut found = Vec::new();
+    for name in list(folder) {
+        let path = folder.join(&name);
+        if path.is_dir() {
+            found.extend(files(&path).iter().map(|inner| format!("{name}/{inner}")));
+        } else {
+            found.push(name);
+        }
+    }
+    found
+}
+
+/// Makes the project, compares its files, runs it, and runs the plans of each defect against the program that has it.
+fn try_out(template: &Template) {
+    let bench = TestProject::new();
+    bench.expect(0, &["new", "site", "--template", template.name]);
+    let mut expected: Vec<&str> = COMMON.iter().chain(template.files).copied().collect();
+    expected.sort_unstable();
+    assert_eq!(files(&bench.path("site")), expected);
+    let readme = bench.read("site/README.md");
+    assert!(readme.starts_with("# site\n") && !readme.contains("{{"), "{readme}");
+    let checked = bench.expect(0, &["check", "site"]);
+    assert_eq!(checked.err, "");
+    let ran = bench.expect(0, &["test", "site"]).out;
+    assert!(ran.contains(&format!("{} passed, 0 failed", template.cases)), "{ran}");
+    let program = format!("site/{}", template.program);
+    let right = bench.read(&program);
+    for defect in template.defects {
+        assert!(right.contains(defect.part), "{}: {}", template.name, defect.part);
+        bench.write(&program, &right.replace(defect.part, defect.by));
+        let only = format!("site/{}", defect.fails);
+        let ran = bench.rig(&["test", "site", "--only", &only]);
+        assert_eq!(ran.code, Some(1), "{} without {}\n{}{}", template.name, defect.part, ran.out, ran.err);
+        assert!(ran.out.contains(&format!("✗ {only}")), "{}", ran.out);
+    }
+}
+
+#[test]
+fn the_motor_stops_without_an_answer() {
+    try_out(&MOTOR);
+}
+
+#[test]
+fn a_template_that_does_not_exist_is_refused_with_those_that_do() {
+    let bench = TestProject::new();
+    bench
+        .refused(&["new", "site", "--template", "boiler"], &["boiler", "motor"]);
+    assert!(!bench.path("site").exists());
+}
