@@ -44,6 +44,30 @@ const MOTOR: Template = Template {
     defects: &[Defect { part: "IF answer.Q THEN", by: "IF FALSE THEN", fails: "plans/contactor[held]" }],
 };
 
+const TANK: Template = Template {
+    name: "tank",
+    program: "src/level.st",
+    files: &[
+        "boards/tank.toml",
+        "controller/tank.toml",
+        "plans/broken-wire.toml",
+        "plans/consumer.toml",
+        "plans/fill.toml",
+        "plans/high-level.toml",
+        "plans/set-point.toml",
+        "src/level.st",
+    ],
+    cases: 7,
+    defects: &[
+        Defect { part: "KP : REAL := 0.4;", by: "KP : REAL := -0.4;", fails: "plans/fill" },
+        // Without its integral the controller leaves an error.
+        Defect { part: "LIMIT(0.0, share + integral", by: "LIMIT(0.0, share", fails: "plans/consumer" },
+        Defect { part: "level_status <> 0 OR ", by: "", fails: "plans/broken-wire[filling]" },
+        Defect { part: " OR NOT below_high", by: "", fails: "plans/high-level" },
+        Defect { part: "ELSIF reset THEN", by: "ELSE", fails: "plans/broken-wire[filling]" },
+    ],
+};
+
 /// Every file below a folder, by its path within.
 fn files(folder: &Path) -> Vec<String> {
     let mut found = Vec::new();
@@ -89,9 +113,14 @@ fn the_motor_stops_without_an_answer() {
 }
 
 #[test]
+fn the_tank_keeps_its_level() {
+    try_out(&TANK);
+}
+
+#[test]
 fn a_template_that_does_not_exist_is_refused_with_those_that_do() {
     let bench = TestProject::new();
     bench
-        .refused(&["new", "site", "--template", "boiler"], &["boiler", "motor"]);
+        .refused(&["new", "site", "--template", "boiler"], &["boiler", "motor", "tank"]);
     assert!(!bench.path("site").exists());
 }

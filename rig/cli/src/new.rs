@@ -21,6 +21,8 @@ pub struct NewArgs {
 enum TemplateName {
     /// A motor with two buttons, and a contactor that must answer.
     Motor,
+    /// The level of a tank: a PI controller with an input and an output of 4 to 20 mA; a broken wire.
+    Tank,
 }
 
 /// Files of a project by their paths in it.
@@ -50,6 +52,19 @@ const MOTOR: ProjectFiles = project_files!(
     "plans/contactor.toml" = "motor/plans/contactor.toml",
 );
 
+const TANK: ProjectFiles = project_files!(
+    "README.md" = "tank/README.md",
+    "src/level.st" = "tank/src/level.st",
+    "suite.toml" = "tank/suite.toml",
+    "boards/tank.toml" = "tank/boards/tank.toml",
+    "controller/tank.toml" = "tank/controller/tank.toml",
+    "plans/fill.toml" = "tank/plans/fill.toml",
+    "plans/set-point.toml" = "tank/plans/set-point.toml",
+    "plans/consumer.toml" = "tank/plans/consumer.toml",
+    "plans/broken-wire.toml" = "tank/plans/broken-wire.toml",
+    "plans/high-level.toml" = "tank/plans/high-level.toml",
+);
+
 /// What stands in every README in place of `{{usage}}`.
 const USAGE: &str = include_str!("../template/common/usage.md");
 
@@ -65,6 +80,7 @@ impl TemplateName {
     fn files(self) -> ProjectFiles {
         match self {
             TemplateName::Motor => MOTOR,
+            TemplateName::Tank => TANK,
         }
     }
 }
