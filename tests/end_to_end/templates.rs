@@ -68,6 +68,26 @@ const TANK: Template = Template {
     ],
 };
 
+const CONVEYOR: Template = Template {
+    name: "conveyor",
+    program: "src/conveyor.st",
+    files: &[
+        "boards/conveyor.toml",
+        "plans/count.toml",
+        "plans/jam.toml",
+        "plans/stop.toml",
+        "src/conveyor.st",
+    ],
+    cases: 7,
+    defects: &[
+        Defect { part: " OR at_exit.Q", by: "", fails: "plans/jam[exit]" },
+        Defect { part: "at_entry.Q OR ", by: "", fails: "plans/jam[entry]" },
+        Defect { part: "IN := belt AND exit_eye", by: "IN := exit_eye", fails: "plans/stop[pressed]" },
+        Defect { part: "IF leaves.Q THEN", by: "IF exit_eye THEN", fails: "plans/count[apart]" },
+        Defect { part: "alarm OR NOT not_stopped", by: "alarm", fails: "plans/stop[broken]" },
+    ],
+};
+
 /// Every file below a folder, by its path within.
 fn files(folder: &Path) -> Vec<String> {
     let mut found = Vec::new();
@@ -118,9 +138,14 @@ fn the_tank_keeps_its_level() {
 }
 
 #[test]
+fn the_conveyor_counts_and_notices_a_jam() {
+    try_out(&CONVEYOR);
+}
+
+#[test]
 fn a_template_that_does_not_exist_is_refused_with_those_that_do() {
     let bench = TestProject::new();
     bench
-        .refused(&["new", "site", "--template", "boiler"], &["boiler", "motor", "tank"]);
+        .refused(&["new", "site", "--template", "boiler"], &["boiler", "motor", "tank", "conveyor"]);
     assert!(!bench.path("site").exists());
 }

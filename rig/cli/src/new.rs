@@ -23,6 +23,8 @@ enum TemplateName {
     Motor,
     /// The level of a tank: a PI controller with an input and an output of 4 to 20 mA; a broken wire.
     Tank,
+    /// A belt with photo eyes: parts are counted; a jam.
+    Conveyor,
 }
 
 /// Files of a project by their paths in it.
@@ -65,6 +67,16 @@ const TANK: ProjectFiles = project_files!(
     "plans/high-level.toml" = "tank/plans/high-level.toml",
 );
 
+const CONVEYOR: ProjectFiles = project_files!(
+    "README.md" = "conveyor/README.md",
+    "src/conveyor.st" = "conveyor/src/conveyor.st",
+    "suite.toml" = "conveyor/suite.toml",
+    "boards/conveyor.toml" = "conveyor/boards/conveyor.toml",
+    "plans/count.toml" = "conveyor/plans/count.toml",
+    "plans/jam.toml" = "conveyor/plans/jam.toml",
+    "plans/stop.toml" = "conveyor/plans/stop.toml",
+);
+
 /// What stands in every README in place of `{{usage}}`.
 const USAGE: &str = include_str!("../template/common/usage.md");
 
@@ -81,6 +93,7 @@ impl TemplateName {
         match self {
             TemplateName::Motor => MOTOR,
             TemplateName::Tank => TANK,
+            TemplateName::Conveyor => CONVEYOR,
         }
     }
 }
