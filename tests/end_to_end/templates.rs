@@ -88,6 +88,32 @@ const CONVEYOR: Template = Template {
     ],
 };
 
+const PRESS: Template = Template {
+    name: "press",
+    program: "src/press.st",
+    files: &[
+        "boards/press.toml",
+        "plans/cycle.toml",
+        "plans/failed.toml",
+        "plans/light-curtain.toml",
+        "plans/two-hands.toml",
+        "src/press.st",
+    ],
+    cases: 12,
+    defects: &[
+        Defect {
+            part: "NOT right_hand OR NOT clear",
+            by: "NOT right_hand",
+            fails: "plans/light-curtain[closing]",
+        },
+        Defect { part: "presses.Q OR NOT clear", by: "presses.Q", fails: "plans/light-curtain[closed]" },
+        Defect { part: "IF one_hand.Q THEN", by: "IF FALSE THEN", fails: "plans/two-hands[late]" },
+        Defect { part: "ELSIF closes.Q THEN", by: "ELSIF FALSE THEN", fails: "plans/failed[bottom-switch]" },
+        Defect { part: "ELSIF opens.Q THEN", by: "ELSIF FALSE THEN", fails: "plans/failed[no-way-back]" },
+        Defect { part: "armed := FALSE;\n        END_IF", by: "END_IF", fails: "plans/cycle[together]" },
+    ],
+};
+
 /// Every file below a folder, by its path within.
 fn files(folder: &Path) -> Vec<String> {
     let mut found = Vec::new();
@@ -143,9 +169,14 @@ fn the_conveyor_counts_and_notices_a_jam() {
 }
 
 #[test]
+fn the_press_closes_with_both_hands_alone() {
+    try_out(&PRESS);
+}
+
+#[test]
 fn a_template_that_does_not_exist_is_refused_with_those_that_do() {
     let bench = TestProject::new();
     bench
-        .refused(&["new", "site", "--template", "boiler"], &["boiler", "motor", "tank", "conveyor"]);
+        .refused(&["new", "site", "--template", "boiler"], &["boiler", "motor", "tank", "conveyor", "press"]);
     assert!(!bench.path("site").exists());
 }

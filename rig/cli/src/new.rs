@@ -25,6 +25,8 @@ enum TemplateName {
     Tank,
     /// A belt with photo eyes: parts are counted; a jam.
     Conveyor,
+    /// A press: two hands, a light curtain, end switches; a cylinder that does not arrive.
+    Press,
 }
 
 /// Files of a project by their paths in it.
@@ -77,6 +79,17 @@ const CONVEYOR: ProjectFiles = project_files!(
     "plans/stop.toml" = "conveyor/plans/stop.toml",
 );
 
+const PRESS: ProjectFiles = project_files!(
+    "README.md" = "press/README.md",
+    "src/press.st" = "press/src/press.st",
+    "suite.toml" = "press/suite.toml",
+    "boards/press.toml" = "press/boards/press.toml",
+    "plans/cycle.toml" = "press/plans/cycle.toml",
+    "plans/two-hands.toml" = "press/plans/two-hands.toml",
+    "plans/light-curtain.toml" = "press/plans/light-curtain.toml",
+    "plans/failed.toml" = "press/plans/failed.toml",
+);
+
 /// What stands in every README in place of `{{usage}}`.
 const USAGE: &str = include_str!("../template/common/usage.md");
 
@@ -94,6 +107,7 @@ impl TemplateName {
             TemplateName::Motor => MOTOR,
             TemplateName::Tank => TANK,
             TemplateName::Conveyor => CONVEYOR,
+            TemplateName::Press => PRESS,
         }
     }
 }
