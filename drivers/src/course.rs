@@ -703,8 +703,9 @@ mod tests {
     #[test]
     fn a_guess_does_not_change_what_is_found() {
         let mut random = signal::Random::new(24);
-        let mut part =
-            |least: f64, most: f64| least + (most - least) * (random.below(1 << 32) as f64 / (1u64 << 32) as f64);
+        let mut part = |least: f64, most: f64| {
+            least + (most - least) * (random.below(1 << 32) as f64 / (1u64 << 32) as f64)
+        };
         let mut found = 0;
         for _ in 0..3_000 {
             let since = at(part(0.0, 10.0));
