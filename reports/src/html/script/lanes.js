@@ -60,7 +60,8 @@ const label = (kind, x, y, text) => s("text", { class: kind, x: px(x), y: px(y) 
 // How wide a text is in the small font of the drawings, roughly, and as much of it as fits.
 const textWidth = (text) => 6.4 * [...String(text)].length;
 const fit = (text, width) => {
-  const room = Math.max(Math.floor(width / 6.4), 0);
+  // A width that was made for the text may come out short of it by rounding.
+  const room = Math.max(Math.floor(width / 6.4 + 1e-6), 0);
   const characters = [...String(text)];
   return characters.length <= room ? text : characters.slice(0, Math.max(room - 1, 0)).join("") + "…";
 };
