@@ -14,6 +14,7 @@ mod flow;
 mod guards;
 mod instrument;
 mod late;
+mod level_loop;
 mod library;
 mod lines;
 mod live;
