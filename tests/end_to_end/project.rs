@@ -1,22 +1,7 @@
 //! What the command writes for a project: a new one, the shipped plans, schemas, completions and pages of the manual.
 
-use crate::project_folder::{TestProject, list, root};
+use crate::project_folder::{TestProject, files, root};
 use serde_json::Value as Json;
-use std::path::Path;
-
-/// Every file below a folder, by its path within.
-fn files(folder: &Path) -> Vec<String> {
-    let mut found = Vec::new();
-    for name in list(folder) {
-        let path = folder.join(&name);
-        if path.is_dir() {
-            found.extend(files(&path).iter().map(|inner| format!("{name}/{inner}")));
-        } else {
-            found.push(name);
-        }
-    }
-    found
-}
 
 #[test]
 fn the_first_run_of_a_new_project_passes() {

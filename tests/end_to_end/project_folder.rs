@@ -127,6 +127,20 @@ pub fn list(folder: &Path) -> Vec<String> {
     names
 }
 
+/// Every file below a folder, by its path within, sorted.
+pub fn files(folder: &Path) -> Vec<String> {
+    let mut found = Vec::new();
+    for name in list(folder) {
+        let path = folder.join(&name);
+        if path.is_dir() {
+            found.extend(files(&path).iter().map(|inner| format!("{name}/{inner}")));
+        } else {
+            found.push(name);
+        }
+    }
+    found
+}
+
 /// The command in a folder, the same whatever the shell of the caller has set.
 pub fn command(folder: &Path, args: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_rig"));

@@ -1,9 +1,7 @@
 //! The projects that `rig new --template` makes: their files, their first run, and programs with a defect, which their plans
 //! must notice.
 
-use crate::project_folder::TestProject;
-use crate::project_folder::list;
-use std::path::Path;
+use crate::project_folder::{TestProject, files};
 
 /// A defect in the program of a template, and the case that has to fail by it.
 struct Defect {
@@ -113,20 +111,6 @@ const PRESS: Template = Template {
         Defect { part: "armed := FALSE;\n        END_IF", by: "END_IF", fails: "plans/cycle[together]" },
     ],
 };
-
-/// Every file below a folder, by its path within.
-fn files(folder: &Path) -> Vec<String> {
-    let mut found = Vec::new();
-    for name in list(folder) {
-        let path = folder.join(&name);
-        if path.is_dir() {
-            found.extend(files(&path).iter().map(|inner| format!("{name}/{inner}")));
-        } else {
-            found.push(name);
-        }
-    }
-    found
-}
 
 /// Makes the project, compares its files, runs it, and runs the plans of each defect against the program that has it.
 fn try_out(template: &Template) {
