@@ -204,8 +204,8 @@ fn run(by_weight: bool) -> Response {
     let board = BOARD.replace("OUTFLOW", outflow);
     let texts = [("plan.toml", PLAN), ("level.st", PROGRAM), ("board.toml", board.as_str())];
     let interrupt = AtomicBool::new(false);
-    let result = Texts(&texts).run(1, &RunOptions::new(ClockKind::Virtual, &interrupt));
-    let trace = result.trace.unwrap_or_else(|| panic!("{:#?}", result.record));
+    let result = *Texts(&texts).run(1, &RunOptions::new(ClockKind::Virtual, &interrupt));
+    let Some(trace) = result.trace else { panic!("{:#?}", result.record) };
     let (level, valve) = (trace.find("level").unwrap(), trace.find("valve").unwrap());
     let mut response = Response::default();
     let micros = |at: Time| at.as_nanos() / 1_000;
