@@ -491,10 +491,12 @@ fn drained(root: f64, fill: f64, drain: f64, s: f64) -> f64 {
     let away = root - rest;
     let passed = drain * s / 2.0;
     let (a, k) = (away / rest, passed / rest);
-    let (mut y, upwards) = match () {
-        () if a > 0.0 => ((a - k).min(0.0), -1.0),
-        () if a < -1.0 => (0.0, -1.0),
-        () => (a - k, 1.0),
+    let (mut y, upwards) = if a > 0.0 {
+        ((a - k).min(0.0), -1.0)
+    } else if a < -1.0 {
+        (0.0, -1.0)
+    } else {
+        (a - k, 1.0)
     };
     for _ in 0..MAX_STEPS {
         let step = -(away * less_expm1(y) + root * y + passed) / (root + away * libm::expm1(y));
