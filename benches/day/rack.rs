@@ -322,7 +322,7 @@ fn plan(seconds: u64) -> String {
     );
     let _ = writeln!(text, "ends = \"start + {seconds} s\"\ntimeout = \"{} s\"", seconds + 60);
     text += "settings = { mast = { interval = \"20 ms\" }, modules = [\n";
-    let sensors = vec!["\"PT100\""; 4].join(", ");
+    let sensors = ["\"PT100\""; 4].join(", ");
     for module in [
         "\"TM3DI16\"".to_owned(),
         "\"TM3DI16\"".to_owned(),

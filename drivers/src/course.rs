@@ -552,8 +552,11 @@ mod tests {
         Time::from_nanos((seconds * NANOS) as i64)
     }
 
+    /// The slope that an equation gives at a time in seconds and a value.
+    type Slope = fn(f64, f64) -> f64;
+
     /// Every shape, with the slope that its equation gives it.
-    fn courses() -> Vec<(Course, fn(f64, f64) -> f64)> {
+    fn courses() -> Vec<(Course, Slope)> {
         let zero = Time::ZERO;
         vec![
             (Course::lag(zero, 3.0, 1.0, 0.5), |_, y| (1.0 - y) / 0.5),

@@ -1,5 +1,5 @@
 //! Plants: what the controller's outputs act on and its inputs come from. A kind of plant is a file with its keys, its
-//! reader and its law, and a line in [`KINDS`].
+//! reader and its law, and a line in `KINDS`.
 
 mod conveyor;
 mod cylinder;

@@ -182,7 +182,7 @@ fn integrated(by_weight: bool) -> Response {
         if at >= RUN && (at - START) % CYCLE == 0 {
             let error = 1000.0_f32 - word_of(shown_current) as f32;
             let share = 0.4_f32 * error;
-            if !(opening >= 100.0 && error > 0.0) && !(opening <= 0.0 && error < 0.0) {
+            if !(opening >= 100.0 && error > 0.0 || opening <= 0.0 && error < 0.0) {
                 integral += share * 0.02_f32 / 4.0_f32;
             }
             opening = (share + integral).clamp(0.0, 100.0);

@@ -222,7 +222,7 @@ mod tests {
             assert_eq!(parts(near), libm::round(near * PARTS as f64) as i64, "{near}");
         }
         for real in
-            [0.0, -0.0, 0.5e-9, -0.5e-9, 0.499_999_999_999_999_94e-9, 1e300, -1e300, f64::INFINITY, f64::NAN]
+            [0.0, -0.0, 0.5e-9, -0.5e-9, 4.999_999_999_999_999e-10, 1e300, -1e300, f64::INFINITY, f64::NAN]
         {
             assert_eq!(parts(real), libm::round(real * PARTS as f64) as i64, "{real}");
         }
