@@ -11,13 +11,9 @@ use signal::{Cause, SignalGap, Span, Time, Value, When};
 impl Executor<'_> {
     /// What the board saw up to now goes to the trace and to the subject's inputs.
     pub(super) fn poll(&mut self) -> Result<(), RigFault> {
-        self.poll_by(self.board_time())
-    }
-
-    /// The same up to this time of the board.
-    pub(super) fn poll_by(&mut self, now: Time) -> Result<(), RigFault> {
         let mut events = std::mem::take(&mut self.buffers.polled);
         events.clear();
+        let now = self.board_time();
         let polled = self.parts.board.poll(now, &mut events);
         self.mark_faults_seen();
         for event in &events {

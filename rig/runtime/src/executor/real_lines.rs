@@ -44,8 +44,6 @@ pub(super) struct RealLines {
     pending: VecDeque<PendingInput>,
     /// When the wait for the next thing ended, while nothing has passed since.
     woke: Option<Time>,
-    /// What is due next is a change that was seen: the rig did not wait for its instant.
-    is_seen: bool,
     /// How far each channel has counted, as far as it was reported.
     counts: Vec<i64>,
     /// How late the subject's last write of each channel was.
@@ -131,15 +129,8 @@ impl Executor<'_> {
         }
         let due = due.min(self.actual.max(self.now).saturating_add(silent));
         let woke = self.parts.clock.wait(due);
-        let reached = due.min(woke).max(self.now);
-        if self.parts.clock.rung() {
-            // Each at its own instant, however late the wake-up: two edges of it are a pulse, and not one instant.
-            self.poll_by(woke)?;
-        }
         self.lines.woke = Some(woke);
-        let seen = self.lines.next().map(|first| first.max(self.now)).filter(|first| *first <= reached);
-        self.lines.is_seen = seen.is_some();
-        Ok(seen.unwrap_or(reached))
+        Ok(due.min(woke).max(self.now))
     }
 
     /// A sign of life; hands back how long the executor may wait until the next.
@@ -181,9 +172,6 @@ impl Executor<'_> {
         }
         let future = to > self.actual;
         self.actual = self.reach(to).max(self.actual);
-        if std::mem::take(&mut self.lines.is_seen) {
-            return Ok(());
-        }
         let late = self.actual - to;
         if future && let Some(live) = &mut self.live {
             live.woke(late);
