@@ -208,7 +208,7 @@ END_PROGRAM
 const NAMES: [&str; 10] =
     ["beat", "slow", "fill", "drain", "motor", "lamp", "horn", "valve", "ready", "alarm"];
 
-/// The board file with its wires: `Qn` to `In`, and the first four to I10 to I13 behind a contactor's delay.
+/// The board file with its wires: `Qn` to `In`, and the first four to I10 to I13 after a contactor's delay.
 fn board() -> String {
     let mut text = String::from(BOARD);
     for n in 0..10 {

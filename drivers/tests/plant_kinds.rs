@@ -103,8 +103,8 @@ fn a_full_tank_with_as_much_in_as_out_does_not_overflow() {
         bench.write(0.0, first, ON);
         let other = if first == "Q0" { "Q1" } else { "Q0" };
         bench.write(1e-9, other, ON);
-        let spilt = bench.until(10.0, "full");
-        assert!(spilt.last().is_none_or(|(_, level)| *level == OFF), "{first} {spilt:?}");
+        let overflowed = bench.until(10.0, "full");
+        assert!(overflowed.last().is_none_or(|(_, level)| *level == OFF), "{first} {overflowed:?}");
     }
 }
 
