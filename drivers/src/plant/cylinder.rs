@@ -3,11 +3,9 @@
 use std::sync::Arc;
 
 use document::{KeySpec, KeyType};
-use signal::Random;
 
-use super::travel::{self, TravelSpec};
-use super::{PlantKind, PlantReader, reader};
-use crate::circuit::{CircuitFault, Plant, PlantParameter, PlantPort, PlantSpec};
+use super::{PlantKind, PlantReader, reader, travel};
+use crate::circuit::PlantSpec;
 
 pub(super) const KIND: PlantKind = PlantKind {
     name: "cylinder",
@@ -34,41 +32,6 @@ pub(super) const KIND: PlantKind = PlantKind {
     read,
 };
 
-const TIMES: [&str; 2] = ["extend-time", "retract-time"];
-
-#[derive(Clone, Debug)]
-struct CylinderSpec {
-    name: String,
-    travel: TravelSpec,
-}
-
 fn read(reader: &mut PlantReader<'_, '_>) -> Option<Arc<dyn PlantSpec>> {
-    let travel = travel::read(reader, "retract", TIMES, ["extended", "retracted"], false)?;
-    Some(Arc::new(CylinderSpec { name: reader.name(), travel }))
-}
-
-impl PlantSpec for CylinderSpec {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn inputs(&self) -> Vec<PlantPort> {
-        self.travel.inputs()
-    }
-
-    fn outputs(&self) -> Vec<PlantPort> {
-        self.travel.outputs()
-    }
-
-    fn check(&self) -> Vec<(Option<usize>, CircuitFault)> {
-        Vec::new()
-    }
-
-    fn parameters(&self) -> Vec<PlantParameter> {
-        self.travel.parameters(TIMES)
-    }
-
-    fn build(&self, _random: Random) -> Box<dyn Plant> {
-        self.travel.build()
-    }
+    travel::read(reader, "retract", ["extend-time", "retract-time"], ["extended", "retracted"], false)
 }

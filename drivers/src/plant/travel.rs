@@ -1,12 +1,14 @@
 //! What moves evenly between two ends: the law of cylinders and valves.
 
+use std::sync::Arc;
+
 use document::{KeySpec, KeyType};
-use signal::{Span, Time, Value};
+use signal::{Random, Span, Time, Value};
 
 use super::PlantReader;
 use super::sampled::SampledValue;
 use crate::channel::ChannelId;
-use crate::circuit::{ParameterKind, Plant, PlantInput, PlantParameter, PlantPort};
+use crate::circuit::{CircuitFault, ParameterKind, Plant, PlantInput, PlantParameter, PlantPort, PlantSpec};
 use crate::codes;
 use crate::course::{Course, span_seconds};
 use crate::measure::Dimension;
@@ -19,34 +21,35 @@ pub(super) const REACH: KeySpec = KeySpec::optional(
 
 /// Something that travels from 0 to 1 and back.
 #[derive(Clone, Debug)]
-pub(super) struct TravelSpec {
+struct TravelSpec {
+    name: String,
     /// What sends it out, or to where it is to go in percent.
-    pub(super) out: PlantPort,
+    out: PlantPort,
     /// What sends it back; where there is none it goes back whenever it is not sent out.
-    pub(super) back: Option<ChannelId>,
+    back: Option<ChannelId>,
     /// How long it takes from end to end, out and back.
-    pub(super) times: [Span; 2],
-    /// Whether that is one time by its key.
-    one_time: bool,
+    times: [Span; 2],
+    /// Their keys: the same one where it is one time.
+    keys: [&'static str; 2],
     /// Where it is at the start, from 0 to 1.
-    pub(super) initial: f64,
+    initial: f64,
     /// How far from its end an end switch is on, from 0 to 1.
-    pub(super) reach: f64,
+    reach: f64,
     /// The end switches: at 1, at 0.
-    pub(super) ends: [Option<ChannelId>; 2],
+    ends: [Option<ChannelId>; 2],
     /// The channel of its position in percent.
-    pub(super) output: Option<ChannelId>,
-    pub(super) sample: Span,
+    output: Option<ChannelId>,
+    sample: Span,
 }
 
-/// What kinds that travel share: `out`, `back`, `times` and `ends` are their keys.
+/// What kinds that travel share: `back`, `keys` of the times and `ends` are their keys.
 pub(super) fn read(
     reader: &mut PlantReader<'_, '_>,
     back: &str,
-    times: [&str; 2],
+    keys: [&'static str; 2],
     ends: [&str; 2],
     positions: bool,
-) -> Option<TravelSpec> {
+) -> Option<Arc<dyn PlantSpec>> {
     let (input, unit) = reader.channel("input")?;
     let out = match unit.as_deref() {
         None => PlantPort::level(input),
@@ -90,37 +93,45 @@ pub(super) fn read(
         false => None,
     };
     let sample = reader.sample_of_value(output.is_some())?;
-    let one_time = times[0] == times[1];
-    let times = [reader.duration(times[0])?, reader.duration(times[1])?];
-    Some(TravelSpec { out, back: back_channel, times, one_time, initial, reach, ends, output, sample })
+    let times = [reader.duration(keys[0])?, reader.duration(keys[1])?];
+    let (name, back) = (reader.name(), back_channel);
+    Some(Arc::new(TravelSpec { name, out, back, times, keys, initial, reach, ends, output, sample }))
 }
 
-impl TravelSpec {
-    pub(super) fn inputs(&self) -> Vec<PlantPort> {
+impl PlantSpec for TravelSpec {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn inputs(&self) -> Vec<PlantPort> {
         std::iter::once(self.out).chain(self.back.map(PlantPort::level)).collect()
     }
 
-    pub(super) fn outputs(&self) -> Vec<PlantPort> {
+    fn outputs(&self) -> Vec<PlantPort> {
         let output = self.output.map(PlantPort::quantity);
         output.into_iter().chain(self.ends.into_iter().flatten().map(PlantPort::level)).collect()
     }
 
-    pub(super) fn parameters(&self, times: [&str; 2]) -> Vec<PlantParameter> {
+    fn check(&self) -> Vec<(Option<usize>, CircuitFault)> {
+        Vec::new()
+    }
+
+    fn parameters(&self) -> Vec<PlantParameter> {
         let takes = ParameterKind::Measure { dimension: Dimension::Time, least: 1e-9, most: 1e9 };
         let time = |place: usize| PlantParameter {
-            name: String::from(times[place]),
+            name: String::from(self.keys[place]),
             takes: takes.clone(),
             initial: span_seconds(self.times[place]),
         };
         let stuck = PlantParameter { name: String::from("stuck"), takes: ParameterKind::Flag, initial: 0.0 };
         let mut all = vec![stuck, time(0)];
-        if times[1] != times[0] {
+        if self.keys[1] != self.keys[0] {
             all.push(time(1));
         }
         all
     }
 
-    pub(super) fn build(&self) -> Box<dyn Plant> {
+    fn build(&self, _random: Random) -> Box<dyn Plant> {
         Box::new(Travel {
             spec: self.clone(),
             times: [0.0; 2],
@@ -284,7 +295,7 @@ impl Plant for Travel {
         self.change(now, |travel| match parameter {
             0 => travel.stuck = value != 0.0,
             // A valve has one time for both ways.
-            1 if travel.spec.one_time => travel.times = [value; 2],
+            1 if travel.spec.keys[0] == travel.spec.keys[1] => travel.times = [value; 2],
             1 => travel.times[0] = value,
             _ => travel.times[1] = value,
         });

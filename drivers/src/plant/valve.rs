@@ -3,11 +3,9 @@
 use std::sync::Arc;
 
 use document::{KeySpec, KeyType};
-use signal::Random;
 
-use super::travel::{self, TravelSpec};
-use super::{PlantKind, PlantReader, reader};
-use crate::circuit::{CircuitFault, Plant, PlantParameter, PlantPort, PlantSpec};
+use super::{PlantKind, PlantReader, reader, travel};
+use crate::circuit::PlantSpec;
 
 pub(super) const KIND: PlantKind = PlantKind {
     name: "valve",
@@ -29,41 +27,6 @@ pub(super) const KIND: PlantKind = PlantKind {
     read,
 };
 
-const TIMES: [&str; 2] = ["travel"; 2];
-
-#[derive(Clone, Debug)]
-struct ValveSpec {
-    name: String,
-    travel: TravelSpec,
-}
-
 fn read(reader: &mut PlantReader<'_, '_>) -> Option<Arc<dyn PlantSpec>> {
-    let travel = travel::read(reader, "close", TIMES, ["opened", "closed"], true)?;
-    Some(Arc::new(ValveSpec { name: reader.name(), travel }))
-}
-
-impl PlantSpec for ValveSpec {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn inputs(&self) -> Vec<PlantPort> {
-        self.travel.inputs()
-    }
-
-    fn outputs(&self) -> Vec<PlantPort> {
-        self.travel.outputs()
-    }
-
-    fn check(&self) -> Vec<(Option<usize>, CircuitFault)> {
-        Vec::new()
-    }
-
-    fn parameters(&self) -> Vec<PlantParameter> {
-        self.travel.parameters(TIMES)
-    }
-
-    fn build(&self, _random: Random) -> Box<dyn Plant> {
-        self.travel.build()
-    }
+    travel::read(reader, "close", ["travel"; 2], ["opened", "closed"], true)
 }
