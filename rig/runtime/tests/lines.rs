@@ -46,8 +46,11 @@ struct Bench {
 
 impl Bench {
     fn new(rest: &str) -> Bench {
-        let text = plan(rest);
-        let files = [("plan.toml", text.as_str()), ("follow.st", PROGRAM)];
+        Bench::of(PROGRAM, &plan(rest))
+    }
+
+    fn of(program: &str, plan: &str) -> Bench {
+        let files = [("plan.toml", plan), ("follow.st", program)];
         let plain = |config: &mut Config| config.inputs = vec![InputConfig::filtered(InputFilter::None)];
         let (model, mut parts) = Texts(&files).parts_with(1, plain);
         let world = Shared::default();
@@ -132,6 +135,56 @@ fn a_pulse_between_two_scans_is_seen_by_neither_however_late_the_rig_is() {
     assert_eq!(bench.run().fault, None);
     let lit = bench.lamp().into_iter().find(|(_, value)| *value == Value::Bool(true));
     assert_eq!(lit, None);
+}
+
+#[test]
+fn a_pulse_is_counted_whose_edges_the_rig_sees_at_once() {
+    let program = "PROGRAM MAIN
+VAR
+    simple : HSCSimple_M241;
+END_VAR
+simple(Enable := TRUE, HSC_REF_IN := HSC0);
+END_PROGRAM
+";
+    let plan = "format = 1
+title = \"A late rig counts\"
+program = \"follow.st\"
+settings = { filter = \"0 ms\", expert = { HSC0 = { kind = \"simple\", a = \"%IX0.0\", mode = \"modulo-loop\", modulo = 30000 } } }
+signals = { n = \"HSC0.value\" }
+ends = \"start + 200 ms\"
+expect = [{ value = { of = \"n\", is = 3 } }]
+";
+    let start = started();
+    // The rig wakes up for the first edge 10 ms late: it sees the first pulse as a whole, and the second one begin; and for the last
+    // pulse 15 ms late, when a cycle was due that came after it.
+    for (first, late) in [(101, 10), (113, 15)] {
+        let mut bench = Bench::of(program, plan);
+        for (n, at) in [101, 104, 107, 112, 113, 115].into_iter().enumerate() {
+            bench.edge(start + ms(at), n % 2 == 0);
+        }
+        bench.late(start + ms(first), ms(late));
+        assert_eq!(bench.run().fault, None);
+        let trace = bench.parts.recorder.trace();
+        let counted = trace.last(trace.find("n").unwrap()).unwrap().value;
+        assert_eq!(counted, Value::Int(3), "{first} ms, {late} ms late");
+    }
+}
+
+#[test]
+fn a_step_that_waits_for_an_edge_begins_no_earlier_than_the_edge() {
+    let start = started();
+    // Seen 10 ms late, long after the last cycle.
+    let mut bench = Bench::new(
+        "ends = \"seen + 50 ms\"
+steps = [{ id = \"seen\", when = { signal = \"%IX0.0\", edge = \"rises\", within = \"1 s\" } }]",
+    );
+    bench.edge(start + ms(115), true);
+    bench.edge(start + ms(117), false);
+    bench.late(start + ms(115), ms(10));
+    let ran = bench.run();
+    assert_eq!(ran.fault, None);
+    let seen = ran.end - ms(50);
+    assert!(seen >= start + ms(115) && seen <= start + ms(125), "{}", seen - start);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! What the board saw: into the trace, to the subject's inputs, and to whoever looks.
 
 use super::Executor;
-use super::real_lines::InputChange;
+use super::real_lines::{Arrival, InputChange};
 use crate::executor::rig_fault::RigFault;
 use crate::wiring::WiredInput;
 use controller::{Effect, Effects, Terminal};
@@ -16,8 +16,10 @@ impl Executor<'_> {
         let now = self.board_time();
         let polled = self.parts.board.poll(now, &mut events);
         self.mark_faults_seen();
+        self.see_polled_ahead();
         for event in &events {
             self.see(event);
+            self.lead_to_inputs(event, Arrival::AtOnce);
         }
         self.buffers.polled = events;
         polled.map_err(|error| RigFault::Board { at: now, error })?;
@@ -56,7 +58,8 @@ impl Executor<'_> {
         }
     }
 
-    fn see(&mut self, event: &BoardEvent) {
+    /// What the board reports goes to the trace, to what waits for it and to whoever looks.
+    pub(super) fn see(&mut self, event: &BoardEvent) {
         let channel = event.channel();
         let place = usize::from(channel.0);
         let mut lost = None;
@@ -97,6 +100,17 @@ impl Executor<'_> {
             let signal = self.parts.wiring.channels[place][index];
             self.record(signal, self.seen_by_board(at, channel, origin), value, cause);
         }
+    }
+
+    /// What the board reports goes to the subject's inputs on that channel.
+    pub(super) fn lead_to_inputs(&mut self, event: &BoardEvent, arrival: Arrival) {
+        let channel = event.channel();
+        let place = usize::from(channel.0);
+        let (at, value) = match *event {
+            BoardEvent::Changed { at, value, .. } => (at, value),
+            BoardEvent::Lost { at, .. } => (When::exactly(at), Value::Unknown),
+            BoardEvent::Returned { .. } | BoardEvent::Dropped { .. } => return,
+        };
         if !self.parts.wiring.inputs[place].is_empty() {
             let of_levels = match value {
                 Value::Bool(_) => Some(InputChange::Value(value)),
@@ -118,7 +132,7 @@ impl Executor<'_> {
                     _ => of_levels,
                 };
                 if let Some(what) = what {
-                    self.input(channel, at, terminal, what);
+                    self.input(channel, at, terminal, what, arrival);
                 }
             }
         }

@@ -56,7 +56,9 @@ impl EventSource {
     #[inline]
     pub(super) fn next(self, executor: &Executor<'_>) -> Option<Time> {
         match self {
-            EventSource::Board => executor.parts.board.next_event(),
+            EventSource::Board => {
+                executor.parts.board.next_event().into_iter().chain(executor.lines.ahead_until()).min()
+            }
             EventSource::Inputs => executor.lines.next(),
             EventSource::Ports => executor.ports.next(),
             EventSource::Edges => executor.awaited.edges.next(),
@@ -73,10 +75,11 @@ impl EventSource {
     pub(super) fn fire(self, executor: &mut Executor<'_>, planned: Time, due: Time) -> Result<(), RigFault> {
         let is_due = planned <= due;
         match self {
-            EventSource::Board if is_due || executor.pacing.has_wires() && executor.parts.clock.rung() => {
+            EventSource::Board if is_due || executor.pacing.has_wires() && executor.board_has_news(due) => {
                 executor.poll()
             }
-            EventSource::Inputs if is_due => {
+            // Not as planned: a change may have been seen since.
+            EventSource::Inputs if executor.lines.next().is_some_and(|at| at <= due) => {
                 executor.feed();
                 executor.apply()
             }

@@ -267,6 +267,7 @@ impl<'a> Executor<'a> {
         if let Err(fault) = outcome {
             self.report.fault.get_or_insert(fault);
         }
+        self.see_polled_ahead();
         self.record_unsettled_at_end();
         self.see_all_windows();
         self.report.end = self.now;

@@ -9,13 +9,16 @@ use super::{Executor, MOST_SIMULTANEOUS};
 use crate::executor::rig_fault::RigFault;
 use crate::subject::SubjectExt;
 use controller::Terminal;
-use drivers::{ChannelId, Origin};
+use drivers::{BoardEvent, ChannelId, Origin};
 use guard::GuardError;
 use signal::{Span, Time, Value, When};
 use std::collections::VecDeque;
 
 /// Most changes of inputs that wait for the modelled time to reach them: those of one late wake-up.
 const MOST_PENDING: usize = 16_384;
+
+/// Room for what the board reports at once, so that none is taken later.
+const AT_ONCE: usize = 1024;
 
 /// The longest that a wait lasts at a stretch, so that an interrupt is seen.
 pub(super) const LONGEST_WAIT: Span = Span::from_millis(50);
@@ -37,6 +40,15 @@ pub(super) enum InputChange {
     Steps(i64),
 }
 
+/// When an input gets a change whose instant the modelled time has reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Arrival {
+    /// Now.
+    AtOnce,
+    /// In its turn among those that the modelled time stops at.
+    AtItsInstant,
+}
+
 /// What the executor keeps for real lines.
 #[derive(Debug, Default)]
 pub(super) struct RealLines {
@@ -44,6 +56,12 @@ pub(super) struct RealLines {
     pending: VecDeque<PendingInput>,
     /// When the wait for the next thing ended, while nothing has passed since.
     woke: Option<Time>,
+    /// Until when the modelled time goes only from one seen change of an input to the next: the board was asked before it.
+    ahead_until: Option<Time>,
+    /// What the board reported then. The inputs have it; the trace and the steps get it when the modelled time is there.
+    polled_ahead: Vec<BoardEvent>,
+    /// The modelled time stops next at what was seen, and not at what the rig planned: it cannot have been there in time.
+    is_seen: bool,
     /// How far each channel has counted, as far as it was reported.
     counts: Vec<i64>,
     /// How late the subject's last write of each channel was.
@@ -69,6 +87,7 @@ impl RealLines {
     pub(super) fn new(channels: usize) -> RealLines {
         RealLines {
             pending: VecDeque::with_capacity(MOST_PENDING),
+            polled_ahead: Vec::with_capacity(AT_ONCE),
             lag: vec![Span::ZERO; channels],
             wrote: vec![Time::MAX; channels],
             ..RealLines::modelled(channels)
@@ -79,6 +98,12 @@ impl RealLines {
     #[inline]
     pub(super) fn next(&self) -> Option<Time> {
         self.pending.front().map(|pending| pending.at.latest)
+    }
+
+    /// When the trace and the steps are due to get what the board reported before the modelled time was there.
+    #[inline]
+    pub(super) fn ahead_until(&self) -> Option<Time> {
+        self.ahead_until
     }
 
     /// The subject wrote a channel at this instant, or by so much earlier, and the rig was at the other one by then.
@@ -125,12 +150,45 @@ impl Executor<'_> {
     fn wait_for(&mut self, due: Time) -> Result<Time, RigFault> {
         let silent = self.beat()?;
         if self.parts.subject.is_computing() {
-            return Ok(due.min(self.parts.clock.now().max(self.now).saturating_add(self.limits.horizon)));
+            let now = self.parts.clock.now();
+            return self.poll_ahead(now, due.min(now.max(self.now).saturating_add(self.limits.horizon)));
         }
         let due = due.min(self.actual.max(self.now).saturating_add(silent));
         let woke = self.parts.clock.wait(due);
         self.lines.woke = Some(woke);
-        Ok(due.min(woke).max(self.now))
+        self.poll_ahead(woke, due.min(woke).max(self.now))
+    }
+
+    /// Before the modelled time goes on to `reached`: inputs that the board has seen change up to `now` do so at their own
+    /// instants on the way, since two edges that are seen at once are a pulse. Hands back where the modelled time may go first.
+    fn poll_ahead(&mut self, now: Time, reached: Time) -> Result<Time, RigFault> {
+        if reached > self.now && self.lines.ahead_until.is_none() && self.parts.clock.rung() {
+            let polled = self.parts.board.poll(now.max(self.board_time()), &mut self.lines.polled_ahead);
+            polled.map_err(|error| RigFault::Board { at: now, error })?;
+            for place in 0..self.lines.polled_ahead.len() {
+                let event = self.lines.polled_ahead[place];
+                self.lead_to_inputs(&event, Arrival::AtItsInstant);
+            }
+            self.lines.ahead_until = Some(reached);
+        }
+        let seen = self.lines.next().into_iter().chain(self.lines.ahead_until).min();
+        let seen = seen.map(|seen| seen.max(self.now)).filter(|seen| *seen <= reached);
+        self.lines.is_seen = seen.is_some();
+        Ok(seen.unwrap_or(reached))
+    }
+
+    /// On wires: the board has something to report, or has reported what is due at `due`.
+    pub(super) fn board_has_news(&mut self, due: Time) -> bool {
+        self.parts.clock.rung() || self.lines.ahead_until.is_some_and(|until| until <= due)
+    }
+
+    /// What [`Executor::poll_ahead`] found goes to the trace and to the steps.
+    pub(super) fn see_polled_ahead(&mut self) {
+        self.lines.ahead_until = None;
+        let mut events = std::mem::take(&mut self.lines.polled_ahead);
+        events.iter().for_each(|event| self.see(event));
+        events.clear();
+        self.lines.polled_ahead = events;
     }
 
     /// A sign of life; hands back how long the executor may wait until the next.
@@ -172,6 +230,9 @@ impl Executor<'_> {
         }
         let future = to > self.actual;
         self.actual = self.reach(to).max(self.actual);
+        if std::mem::take(&mut self.lines.is_seen) {
+            return Ok(());
+        }
         let late = self.actual - to;
         if future && let Some(live) = &mut self.live {
             live.woke(late);
@@ -198,8 +259,16 @@ impl Executor<'_> {
     }
 
     /// An input terminal changes at `at`, which the modelled time may not have reached.
-    pub(super) fn input(&mut self, channel: ChannelId, at: When, terminal: Terminal, what: InputChange) {
-        if self.pacing == Pacing::EventDriven || at.latest <= self.now {
+    pub(super) fn input(
+        &mut self,
+        channel: ChannelId,
+        at: When,
+        terminal: Terminal,
+        what: InputChange,
+        arrival: Arrival,
+    ) {
+        let is_due = arrival == Arrival::AtOnce && at.latest <= self.now;
+        if self.pacing == Pacing::EventDriven || is_due {
             self.arrive(self.now.max(at.latest), at, terminal, what);
             return;
         }
