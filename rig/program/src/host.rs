@@ -41,7 +41,12 @@ pub enum StopReason {
     /// The cycle is complete.
     Done,
     /// A watched variable or location changed at the end of the slice.
-    Touched,
+    Touched {
+        /// Source file of the operation, by its place.
+        file: u16,
+        /// Line in that file, from 1.
+        line: u32,
+    },
     /// A statement with a breakpoint comes next, or the next one after [`crate::Machine::step`]. The cycle goes on with
     /// the next slice.
     Break,

@@ -233,6 +233,12 @@ impl Program {
         &self.roots
     }
 
+    /// The source file of an operation, by its place, and its line from 1; of an operation that a unit has.
+    pub(crate) fn source_of(&self, unit: u16, operation: usize) -> (u16, u32) {
+        let file = self.units.get(usize::from(unit)).map_or(0, |unit| unit.file);
+        (file, self.lines.get(operation).copied().unwrap_or(0))
+    }
+
     /// Variables at addresses, in the order of their declaration.
     pub fn located(&self) -> &[Located] {
         &self.located

@@ -47,7 +47,7 @@ fn cycle(
             StopReason::Budget { next } if left < next.as_nanos() => {
                 left += slices[turn % slices.len()].max(1)
             }
-            StopReason::Budget { .. } | StopReason::Touched => {}
+            StopReason::Budget { .. } | StopReason::Touched { .. } => {}
             StopReason::Service { service, argument } => {
                 // Without an answer nothing goes on and no time passes.
                 let again = rig.machine.resume(0, at, Span::from_secs(1), &mut rig.memory);
@@ -136,7 +136,7 @@ fn a_watched_answer_stops_the_slice() {
     rig.machine.resume(0, Time::ZERO, Span::from_secs(1), &mut rig.memory);
     rig.machine.answer(0, 5);
     let slice = rig.machine.resume(0, Time::ZERO, Span::ZERO, &mut rig.memory);
-    assert_eq!((slice.used, slice.stop), (Span::ZERO, StopReason::Touched));
+    assert_eq!((slice.used, slice.stop), (Span::ZERO, StopReason::Touched { file: 0, line: 1 }));
     assert_eq!(rig.int("rtc"), 5);
 }
 

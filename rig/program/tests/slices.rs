@@ -87,7 +87,7 @@ fn watched_variables_and_locations_stop_the_slice() {
         let slice =
             rig.machine.resume(0, Time::ZERO + Span::from_nanos(used), Span::from_secs(1), &mut rig.memory);
         used += slice.used.as_nanos();
-        stops.push((used, slice.stop == StopReason::Touched));
+        stops.push((used, matches!(slice.stop, StopReason::Touched { .. })));
         if slice.stop == StopReason::Done {
             break;
         }
@@ -155,7 +155,7 @@ fn run(budgets: &[i64], watch: bool) -> (Vec<i64>, Vec<Value>, Vec<u8>, Vec<u32>
                 StopReason::Done => break,
                 // An operation longer than every slice has to be let through.
                 StopReason::Budget { next } => least = next.as_nanos(),
-                StopReason::Touched => least = 0,
+                StopReason::Touched { .. } => least = 0,
                 stop => panic!("{stop:?}"),
             }
         }

@@ -28,6 +28,7 @@ mod steps;
 mod texts;
 mod trouble;
 mod worst_case;
+mod writers;
 
 #[global_allocator]
 static COUNTING: counting::Counting = counting::Counting;

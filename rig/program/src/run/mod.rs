@@ -473,13 +473,15 @@ pub(crate) fn run<const DEBUG: bool>(
     let stop = match exit {
         Exit::Budget(next) => StopReason::Budget { next: Span::from_nanos(i64::from(next)) },
         Exit::Done => StopReason::Done,
-        Exit::Touched => StopReason::Touched,
+        Exit::Touched => {
+            let (file, line) = program.source_of(unit, here);
+            StopReason::Touched { file, line }
+        }
         Exit::Break => StopReason::Break,
         Exit::Service(service, argument) => StopReason::Service { service, argument },
         Exit::Fault(kind) => {
             task.position = task.programs.len();
-            let file = units.get(usize::from(unit)).map_or(0, |unit| unit.file);
-            let line = program.lines.get(here).copied().unwrap_or(0);
+            let (file, line) = program.source_of(unit, here);
             StopReason::Fault(ProgramFault { kind, file, line })
         }
     };

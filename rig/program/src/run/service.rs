@@ -30,11 +30,13 @@ pub(crate) fn finish_service(
     };
     let stop = match stored {
         Stored::Fine => None,
-        Stored::Touched => Some(StopReason::Touched),
+        Stored::Touched => {
+            let (file, line) = program.source_of(by.unit, by.pc);
+            Some(StopReason::Touched { file, line })
+        }
         Stored::Bad => {
             task.position = task.programs.len();
-            let file = program.units.get(usize::from(by.unit)).map_or(0, |unit| unit.file);
-            let line = program.lines.get(by.pc).copied().unwrap_or(0);
+            let (file, line) = program.source_of(by.unit, by.pc);
             Some(StopReason::Fault(ProgramFault { kind: ProgramFaultKind::ReservedWrite, file, line }))
         }
     };

@@ -135,8 +135,7 @@ impl ProgramMemory<'_> {
             return Stored::Bad;
         }
         let mask = if address.bit_len() == 64 { u64::MAX } else { (1 << address.bit_len()) - 1 };
-        let file = self.program.units.get(usize::from(by.unit)).map_or(0, |unit| unit.file);
-        let line = self.program.lines.get(by.pc).copied().unwrap_or(0);
+        let (file, line) = self.program.source_of(by.unit, by.pc);
         if self.host.store(address, value & mask, file, line) { Stored::Touched } else { Stored::Fine }
     }
 

@@ -142,7 +142,7 @@ proptest! {
                 let slice = machine.resume(task, Time::ZERO, left, &mut board);
                 left = left - slice.used;
                 match slice.stop {
-                    StopReason::Touched => {}
+                    StopReason::Touched { .. } => {}
                     StopReason::Break => panic!("there is no breakpoint"),
                     _ => break,
                 }

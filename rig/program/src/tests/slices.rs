@@ -84,7 +84,7 @@ fn touches(machine: &mut Machine, board: &mut Board) -> Vec<i64> {
         let slice = machine.resume(0, now, Span::from_secs(1), board);
         now = now.saturating_add(slice.used);
         match slice.stop {
-            StopReason::Touched => times.push(now.as_nanos()),
+            StopReason::Touched { .. } => times.push(now.as_nanos()),
             StopReason::Done => return times,
             stop => panic!("{stop:?}"),
         }
@@ -171,11 +171,12 @@ fn native_blocks_touch_and_take_the_time_of_their_end() {
     machine.begin(0);
     assert_eq!(machine.resume(0, Time::ZERO, Span::from_secs(1), &mut board).stop, StopReason::Done);
     // The call completes at 30 ns; 2 ms later it has run for PT.
-    for (start, stop) in [(2_000_000 - 1, StopReason::Done), (2_000_000, StopReason::Touched)] {
+    let touched = StopReason::Touched { file: 0, line: 3 };
+    for (start, stop) in [(2_000_000 - 1, StopReason::Done), (2_000_000, touched)] {
         machine.begin(0);
         let slice = machine.resume(0, Time::from_nanos(start), Span::from_secs(1), &mut board);
         assert_eq!(slice.stop, stop, "{start}");
-        assert_eq!(machine.read(pin("Q")), Value::Bool(stop == StopReason::Touched));
+        assert_eq!(machine.read(pin("Q")), Value::Bool(stop == touched));
     }
 }
 
@@ -417,7 +418,7 @@ fn the_images_in_every_width() {
     board.watched = Some(signal::Address::parse("%MX5.0").unwrap());
     machine.begin(0);
     let slice = machine.resume(0, Time::ZERO, Span::from_secs(1), &mut board);
-    assert_eq!((slice.stop, slice.used), (StopReason::Touched, Span::from_nanos(10)));
+    assert_eq!((slice.stop, slice.used), (StopReason::Touched { file: 0, line: 2 }, Span::from_nanos(10)));
 }
 
 #[test]

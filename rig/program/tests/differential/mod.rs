@@ -101,7 +101,7 @@ fn cycle(machine: &mut Machine, slices: &[Span]) -> (StopReason, Span) {
         match slice.stop {
             // An operation longer than the slice has to be let through.
             StopReason::Budget { next } => least = next,
-            StopReason::Touched => least = Span::ZERO,
+            StopReason::Touched { .. } => least = Span::ZERO,
             stop => return (stop, used),
         }
     }

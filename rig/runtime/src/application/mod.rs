@@ -256,7 +256,10 @@ impl Application for ProgramApplication {
             program::StopReason::Budget { next } => SliceEnd::Budget { next },
             program::StopReason::Done => SliceEnd::Done,
             // Nobody sets breakpoints here yet; a stop at one is no more than the end of a slice.
-            program::StopReason::Touched => SliceEnd::Touched,
+            program::StopReason::Touched { file, line } => {
+                host.memory.set_cause(Cause::Program { task: host.task, file, line });
+                SliceEnd::Touched
+            }
             program::StopReason::Break => SliceEnd::Break,
             program::StopReason::Service { service, argument } => {
                 SliceEnd::SystemCall { call: call_of(service), argument }

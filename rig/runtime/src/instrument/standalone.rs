@@ -245,7 +245,7 @@ impl StandaloneRun {
                     }
                     budget = (until - self.now).max(Span::ZERO);
                 }
-                StopReason::Touched | StopReason::Break => budget = (until - self.now).max(Span::ZERO),
+                StopReason::Touched { .. } | StopReason::Break => budget = (until - self.now).max(Span::ZERO),
                 StopReason::Budget { .. } if self.now >= until => return Ok(false),
                 // The operation that is under way at `until` comes to its end, if it does so before the run does.
                 StopReason::Budget { next } if until < end && self.now.saturating_add(next) <= end => {
@@ -291,7 +291,7 @@ impl StandaloneRun {
                         let slept = self.serve(task, service, argument);
                         self.now += slept;
                     }
-                    StopReason::Touched | StopReason::Break => {}
+                    StopReason::Touched { .. } | StopReason::Break => {}
                     StopReason::Fault(fault) => return Err(self.failed(fault)),
                     StopReason::Budget { .. } => {
                         let name = self.turns.get(task).map_or("?", |turn| turn.task.name.as_str());
