@@ -298,7 +298,7 @@ pub struct TaskSettings {
     pub sensitivity: Option<u32>,
     /// Whether its watchdog watches.
     pub enabled: Option<bool>,
-    /// The programs that it runs, in order; `None`: for MAST, those that no other task names.
+    /// The programs that it runs, in order; `None`: those that no other task names.
     pub programs: Option<Vec<String>>,
 }
 

@@ -53,3 +53,23 @@ expect = [{ value = { of = \"half\", is = true } }]
     assert_eq!(writers(&result, "half"), [(0, 7)]);
     assert_eq!(writers(&result, "n"), [(0, 6); 5]);
 }
+
+/// `programs = []` is a task that runs nothing, and not one that runs what is left, as MAST does.
+#[test]
+fn a_task_with_an_empty_list_runs_no_program() {
+    let program = "PROGRAM MAIN
+VAR n : UINT; END_VAR
+n := n + 1;
+END_PROGRAM
+";
+    let plan = "format = 1
+title = \"A task without programs\"
+program = \"two.st\"
+settings = { mast = { interval = \"20 ms\" }, tasks = { IDLE = { interval = \"5 ms\", priority = 3, programs = [] } } }
+signals = { n = \"MAIN.n\" }
+ends = \"start + 90 ms\"
+expect = [{ value = { of = \"n\", is = 5 } }]
+";
+    let result = run(plan, program);
+    assert_eq!(result.record.verdict, record::Verdict::Pass, "{}", result.record.reason);
+}

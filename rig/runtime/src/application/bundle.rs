@@ -6,17 +6,34 @@
 use document::SourceFile;
 
 const MAGIC: &[u8; 8] = b"SRAPP\0\0\x01";
+/// The number of programs of a task that runs none; 0 is that of one that runs what no other task names.
+const NO_PROGRAMS: u32 = u32::MAX;
 /// Sources and names longer than this are no bundle of ours.
 const LARGEST: u32 = 64 << 20;
+
+/// The PROGRAMs that a task runs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TaskPrograms {
+    /// The name of the task.
+    pub task: String,
+    /// The PROGRAMs in order; `None` for every one that no other task names.
+    pub programs: Option<Vec<String>>,
+}
+
+impl TaskPrograms {
+    /// The names in the list.
+    pub fn named(&self) -> &[String] {
+        self.programs.as_deref().unwrap_or_default()
+    }
+}
 
 /// The sources of an application and the POUs that each of its tasks runs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Bundle {
     /// Structured Text files in the user's order.
     pub sources: Vec<SourceFile>,
-    /// Per task, in the controller's order of tasks: its name and its POUs in order. An empty list means
-    /// every PROGRAM that no other task names.
-    pub tasks: Vec<(String, Vec<String>)>,
+    /// What each task runs, in the controller's order of tasks.
+    pub tasks: Vec<TaskPrograms>,
 }
 
 /// Why bytes are no bundle.
@@ -49,10 +66,13 @@ impl Bundle {
             put_text(&mut out, &source.text);
         }
         put_count(&mut out, self.tasks.len());
-        for (name, programs) in &self.tasks {
-            put_text(&mut out, name);
-            put_count(&mut out, programs.len());
-            programs.iter().for_each(|program| put_text(&mut out, program));
+        for task in &self.tasks {
+            put_text(&mut out, &task.task);
+            match &task.programs {
+                Some(none) if none.is_empty() => out.extend_from_slice(&NO_PROGRAMS.to_le_bytes()),
+                _ => put_count(&mut out, task.named().len()),
+            }
+            task.named().iter().for_each(|program| put_text(&mut out, program));
         }
         let sum = crc32fast::hash(&out);
         out.extend_from_slice(&sum.to_le_bytes());
@@ -79,12 +99,9 @@ impl Bundle {
             bundle.sources.push(SourceFile { name, text });
         }
         for _ in 0..take_count(&mut rest)? {
-            let name = take_text(&mut rest)?;
-            let mut programs = Vec::new();
-            for _ in 0..take_count(&mut rest)? {
-                programs.push(take_text(&mut rest)?);
-            }
-            bundle.tasks.push((name, programs));
+            let task = take_text(&mut rest)?;
+            let programs = take_programs(&mut rest)?;
+            bundle.tasks.push(TaskPrograms { task, programs });
         }
         if rest.is_empty() { Ok(bundle) } else { Err(BundleError::Damaged) }
     }
@@ -106,6 +123,16 @@ fn take_count(rest: &mut &[u8]) -> Result<u32, BundleError> {
     if count > LARGEST { Err(BundleError::Damaged) } else { Ok(count) }
 }
 
+fn take_programs(rest: &mut &[u8]) -> Result<Option<Vec<String>>, BundleError> {
+    if let Some(after) = rest.strip_prefix(&NO_PROGRAMS.to_le_bytes()) {
+        *rest = after;
+        return Ok(Some(Vec::new()));
+    }
+    let count = take_count(rest)?;
+    let programs: Result<Vec<String>, BundleError> = (0..count).map(|_| take_text(rest)).collect();
+    programs.map(|programs| (count > 0).then_some(programs))
+}
+
 fn take_text(rest: &mut &[u8]) -> Result<String, BundleError> {
     let length = take_count(rest)? as usize;
     let (text, after) = rest.split_at_checked(length).ok_or(BundleError::Damaged)?;
@@ -121,7 +148,9 @@ mod tests {
     fn example() -> Bundle {
         Bundle {
             sources: vec![SourceFile { name: "lamp.st".into(), text: "PROGRAM MAIN END_PROGRAM".into() }],
-            tasks: vec![("MAST".into(), vec![]), ("FAST".into(), vec!["F".into()])],
+            tasks: [("MAST", None), ("FAST", Some(vec!["F".to_owned()])), ("IDLE", Some(Vec::new()))]
+                .map(|(task, programs)| TaskPrograms { task: task.to_owned(), programs })
+                .to_vec(),
         }
     }
 

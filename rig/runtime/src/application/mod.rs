@@ -18,7 +18,7 @@ pub mod taken_values;
 pub mod tasks;
 pub mod variable_numbers;
 
-use crate::application::bundle::Bundle;
+use crate::application::bundle::{Bundle, TaskPrograms};
 use crate::application::coverage::Collector;
 use crate::application::system_variables::with_system;
 use crate::application::variable_numbers::{ResolvedVariables, VariableNumbers};
@@ -97,17 +97,17 @@ pub fn notes(program: &Program, profile: Profile) -> Vec<Diagnostic> {
     vec![note.help("its programming tool has the type, and the model runs it; REAL is in the table")]
 }
 
-/// The PROGRAMs that each task runs: those that its list names, and for the tasks with an empty list all that no
+/// The PROGRAMs that each task runs: those that its list names, and for the tasks without a list all that no
 /// other task names. `None` where a list names a PROGRAM that the sources do not have.
-pub fn assign(program: &Program, tasks: &[(String, Vec<String>)]) -> Option<Vec<Vec<usize>>> {
+pub fn assign(program: &Program, tasks: &[TaskPrograms]) -> Option<Vec<Vec<usize>>> {
     let find = |name: &String| program.programs().iter().position(|known| known.eq_ignore_ascii_case(name));
     let named: Option<Vec<Vec<usize>>> =
-        tasks.iter().map(|(_, programs)| programs.iter().map(find).collect()).collect();
+        tasks.iter().map(|task| task.named().iter().map(find).collect()).collect();
     let mut named = named?;
     let taken: Vec<usize> = named.iter().flatten().copied().collect();
     let rest: Vec<usize> = (0..program.programs().len()).filter(|place| !taken.contains(place)).collect();
-    for (places, (_, programs)) in named.iter_mut().zip(tasks) {
-        if programs.is_empty() {
+    for (places, task) in named.iter_mut().zip(tasks) {
+        if task.programs.is_none() {
             places.clone_from(&rest);
         }
     }

@@ -1,6 +1,7 @@
 //! The tasks of a controller: those that exist by themselves, those that the sources configure (CONFIGURATION), and
 //! what a plan says of either.
 
+use crate::application::bundle::TaskPrograms;
 use crate::codes;
 use controller::{
     BusCycle, Config, ConfigError, ExternalEventSource, TaskConfig, TaskKind, TaskWatchdog, Warning,
@@ -25,8 +26,8 @@ enum TaskOrigin {
 pub struct Tasks {
     /// As the controller takes them.
     pub configured: Vec<TaskConfig>,
-    /// Their names, each with the PROGRAMs that it runs; an empty list means every PROGRAM that no list names.
-    pub programs: Vec<(String, Vec<String>)>,
+    /// What each runs, in the same order.
+    pub programs: Vec<TaskPrograms>,
     from: Vec<TaskOrigin>,
 }
 
@@ -48,7 +49,7 @@ impl Tasks {
             programs: Vec::new(),
             from: vec![TaskOrigin::Plan],
         };
-        tasks.programs.push((tasks.configured[0].name.clone(), Vec::new()));
+        tasks.programs.push(TaskPrograms { task: tasks.configured[0].name.clone(), programs: None });
         let known: &[ConfiguredTask] = program.map_or(&[], Program::tasks);
         for (place, task) in known.iter().enumerate() {
             let own = find(settings, &task.name);
@@ -81,8 +82,8 @@ impl Tasks {
                 configured.kind = kind;
                 configured.priority = priority;
             }
-            if let Some((_, programs)) = tasks.programs.get_mut(at) {
-                *programs = left;
+            if let Some(task) = tasks.programs.get_mut(at) {
+                task.programs = (!left.is_empty()).then_some(left);
             }
         }
         for said in &settings.tasks {
@@ -100,8 +101,8 @@ impl Tasks {
                         })?;
                 }
             }
-            if let (Some((_, programs)), Some(list)) = (tasks.programs.get_mut(at), &said.programs) {
-                programs.clone_from(list);
+            if let (Some(task), Some(list)) = (tasks.programs.get_mut(at), &said.programs) {
+                task.programs = Some(list.clone());
             }
         }
         Ok(tasks)
@@ -112,7 +113,7 @@ impl Tasks {
         let known = self.configured.iter().position(|task| task.name.eq_ignore_ascii_case(name));
         let place = known.unwrap_or_else(|| {
             self.configured.push(TaskConfig { name: name.to_owned(), ..TaskConfig::mast() });
-            self.programs.push((name.to_owned(), Vec::new()));
+            self.programs.push(TaskPrograms { task: name.to_owned(), programs: None });
             self.from.push(from);
             self.configured.len() - 1
         });
@@ -341,9 +342,10 @@ mod tests {
         let plan = SourceFile::new("plan.toml", "");
         let tasks = Tasks::new(Some(program), &settings, Profile::default(), &plan).unwrap();
         let rows = tasks.configured.iter().zip(&tasks.programs);
-        let row = |(task, (name, programs)): (&TaskConfig, &(String, Vec<String>))| {
-            assert_eq!(task.name, *name);
-            (name.clone(), task.interval().unwrap().as_nanos() / 1_000_000, task.priority, programs.join(" "))
+        let row = |(task, runs): (&TaskConfig, &TaskPrograms)| {
+            assert_eq!(task.name, runs.task);
+            let programs = runs.named().join(" ");
+            (runs.task.clone(), task.interval().unwrap().as_nanos() / 1_000_000, task.priority, programs)
         };
         rows.map(row).collect()
     }

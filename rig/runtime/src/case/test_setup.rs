@@ -1,6 +1,6 @@
 //! Subject and board of a case, made of its files.
 
-use crate::application::bundle::Bundle;
+use crate::application::bundle::{Bundle, TaskPrograms};
 use crate::application::coverage::Collector;
 use crate::application::functions;
 use crate::application::store::MemoryStore;
@@ -38,7 +38,7 @@ pub(crate) struct TestSetup {
     others: Vec<(ProgramRef, Vec<u8>)>,
     pub(crate) program: Option<Arc<program::Program>>,
     /// The PROGRAMs that each task runs, as the plan and the program say it.
-    pub(crate) tasks: Vec<(String, Vec<String>)>,
+    pub(crate) tasks: Vec<TaskPrograms>,
     /// What the controller accepts with a warning.
     pub(crate) warnings: Vec<Diagnostic>,
     /// What the compiler warns of in the case's own program and in those that steps bring.
@@ -106,7 +106,7 @@ pub(crate) fn set_up(
         let Some(places) = assign(program, &tasks) else {
             return Err(vec![no_such_program(program, &tasks, &files.plan)]);
         };
-        let readers = tasks.iter().map(|(task, _)| task.as_str()).zip(&places);
+        let readers = tasks.iter().map(|task| task.task.as_str()).zip(&places);
         inputs::latched_for_mast(program, readers, &case.settings, &files.plan.name)?;
     }
     let warnings_of = |program: &program::Program| {
@@ -204,7 +204,7 @@ fn tasks_of_another(
     case: &Case,
     config: &Config,
     files: &CaseFiles,
-) -> Result<Vec<(String, Vec<String>)>, Vec<Diagnostic>> {
+) -> Result<Vec<TaskPrograms>, Vec<Diagnostic>> {
     let tasks = Tasks::new(Some(program), &case.settings, files.profile, &files.plan)?;
     if tasks.configured != config.tasks {
         let name = program.files().first().map_or("", String::as_str);
@@ -226,13 +226,9 @@ fn beyond_table(part: RelocationPart, row: usize, case: &Case, files: &CaseFiles
     Diagnostic::error(codes::CONFIGURATION_REFUSED, message).at(&files.plan.name, 0..0, "").help(help)
 }
 
-fn no_such_program(
-    program: &program::Program,
-    tasks: &[(String, Vec<String>)],
-    plan: &SourceFile,
-) -> Diagnostic {
+fn no_such_program(program: &program::Program, tasks: &[TaskPrograms], plan: &SourceFile) -> Diagnostic {
     let known = program.programs();
-    let missing = tasks.iter().flat_map(|(task, programs)| programs.iter().map(move |name| (task, name)));
+    let missing = tasks.iter().flat_map(|task| task.named().iter().map(move |name| (&task.task, name)));
     let missing =
         missing.into_iter().find(|(_, name)| !known.iter().any(|one| one.eq_ignore_ascii_case(name)));
     let message = match missing {

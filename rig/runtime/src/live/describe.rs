@@ -1,6 +1,7 @@
 //! What a rig reports of itself once: its points, tasks, functions, buses and devices.
 
 use super::directory::is_written;
+use crate::application::bundle::TaskPrograms;
 use crate::application::catalogue::Catalogue;
 use control::{
     BusInfo, ChannelInfo as OnBoard, DeviceInfo, FrameSeen, FunctionInfo, ModuleInfo, PointDirection,
@@ -159,11 +160,11 @@ fn variable_at(catalogue: &Catalogue, address: Address) -> Option<String> {
 }
 
 /// The tasks, with the programs that each runs.
-pub fn tasks(catalogue: &Catalogue, programs: &[(String, Vec<String>)]) -> Vec<TaskInfo> {
+pub fn tasks(catalogue: &Catalogue, programs: &[TaskPrograms]) -> Vec<TaskInfo> {
     let known = catalogue.programs().first();
     let places = known.and_then(|program| crate::application::assign(program, programs));
     let named = |name: &str| -> Vec<String> {
-        let place = programs.iter().position(|(task, _)| task.eq_ignore_ascii_case(name));
+        let place = programs.iter().position(|runs| runs.task.eq_ignore_ascii_case(name));
         let run = place.and_then(|place| places.as_ref()?.get(place)).cloned().unwrap_or_default();
         run.iter().filter_map(|place| known?.programs().get(*place).cloned()).collect()
     };

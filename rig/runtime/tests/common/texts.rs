@@ -8,7 +8,7 @@ use document::{Diagnostic, SourceFile};
 use drivers::{Board, BoardFile, OnLoss};
 use plans::judge::CaseJudge;
 use record::Verdict;
-use scanrig_runtime::application::bundle::Bundle;
+use scanrig_runtime::application::bundle::{Bundle, TaskPrograms};
 use scanrig_runtime::application::compile;
 use scanrig_runtime::application::functions;
 use scanrig_runtime::application::store::MemoryStore;
@@ -129,7 +129,7 @@ impl Texts<'_> {
         config.reference = files.reference;
         config.expert = functions::configure(&case.settings, &files.plan.name).unwrap();
         change(&mut config);
-        let tasks = vec![("MAST".to_owned(), Vec::new())];
+        let tasks = vec![TaskPrograms { task: "MAST".to_owned(), programs: None }];
         let bundle = Bundle { sources: files.sources.clone(), tasks }.to_bytes();
         let board = other(drivers::build(&files.board, seed).unwrap());
         let store = Box::new(MemoryStore::default());
