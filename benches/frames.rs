@@ -82,6 +82,7 @@ fn point(number: u32) -> PointInfo {
         image: Option::None,
         forcible: true,
         writable: false,
+        scale: Option::None,
     }
 }
 

@@ -23,7 +23,7 @@ pub use message::{
     PlanEvent, PlanStatus, Plans, PointDirection, PointInfo, PointStatus, REQUEST_FIELDS, Reply, Request,
     RequestFault, RequestOperation, RigLogLine, RigStatus, ServerMessage, Signal, SignalChange, SignalKind,
     SignalValues, Status, StatusWarning, SubjectKind, Subscribed, SubscriptionEvent, TOPIC_FIELDS, TaskInfo,
-    TaskStatus, TimeSource, Topic,
+    TaskStatus, TimeSource, Topic, WordScale,
 };
 pub use signal::{Span, Value};
 pub use value::WireValue;

@@ -70,6 +70,21 @@ fn values_edges_and_health_follow_the_rig() {
 }
 
 #[test]
+fn a_word_of_an_analogue_channel_has_its_unit_and_a_bar() {
+    let mut setup = setup();
+    setup.press("/").enter("AI0");
+    // A word is an INT: this one is below the low end of 0 to 10 V for 0 to 10000.
+    for (word, meaning, bar) in
+        [(2_500, "2.5 V", "██▎······"), (10_000, "10 V", "█████████"), (0xFFFF, "-0.001 V", "·········")]
+    {
+        setup.change("%IW10", 9_600_000_000, WireValue(Value::Int(word)));
+        let shown = row(&mut setup, "AI0");
+        assert!(shown.contains(meaning) && shown.contains(bar), "{shown}");
+    }
+    assert!(setup.screen().contains("image -1 = -0.001 V"), "{}", setup.screen());
+}
+
+#[test]
 fn rows_are_found_and_sorted() {
     let mut setup = setup();
     setup.press("/").enter("output lamp");

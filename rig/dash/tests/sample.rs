@@ -28,6 +28,11 @@ fn point(name: &str, address: Option<&str>, variable: Option<&str>, kind: Signal
         image: address.map(str::to_owned),
         forcible: address.is_some() && kind == SignalKind::Bool,
         writable: false,
+        scale: (kind == SignalKind::Real).then(|| WordScale {
+            words: [0.0, 10_000.0],
+            values: [0.0, 10.0],
+            unit: "V".to_owned(),
+        }),
     }
 }
 

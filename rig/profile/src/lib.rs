@@ -44,11 +44,11 @@ pub use limits::{
     MEMORY_WORDS, PRIORITIES, REMANENT_BYTES, REMANENT_WORDS, TaskLimits,
 };
 pub use module::{
-    AnalogueChannels, AnalogueInputSettings, AnalogueMode, AnalogueOutputSettings, ChannelAddresses,
-    ChannelStatus, CompositionError, CompositionFault, ConfiguredModule, Conversion, CountRange,
-    DigitalInputs, DigitalOutputKind, DigitalOutputs, FigureSource, ImageFull, LOCAL_MODULES, MODULE_INDICES,
-    ModuleAddresses, ModuleChain, ModuleFamily, ModuleKind, ModuleType, REMOTE_MODULES, SafetyFunction,
-    TM4_MODULES, TemperatureScope, check_modules, module_indices,
+    AnalogueChannels, AnalogueEnds, AnalogueInputSettings, AnalogueMode, AnalogueOutputSettings,
+    ChannelAddresses, ChannelStatus, CompositionError, CompositionFault, ConfiguredModule, Conversion,
+    CountRange, DigitalInputs, DigitalOutputKind, DigitalOutputs, FigureSource, ImageFull, LOCAL_MODULES,
+    MODULE_INDICES, ModuleAddresses, ModuleChain, ModuleFamily, ModuleKind, ModuleType, REMOTE_MODULES,
+    SafetyFunction, TM4_MODULES, TemperatureScope, check_modules, module_indices,
 };
 pub use port::{Port, PortKind, SerialMedia};
 pub use reference::{Family, REFERENCES, Reference, RegularOutputs};

@@ -124,6 +124,34 @@ pub struct PointInfo {
     /// Whether its line can be written: a line that nothing of the rig drives.
     #[serde(default)]
     pub writable: bool,
+    /// What the words of an analogue channel stand for; none for a level, and for a mode whose ends are not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<WordScale>,
+}
+
+/// What the words of an analogue channel stand for: two of them, and between those words and values are proportional.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WordScale {
+    /// The words at the low and at the high end of the channel's mode.
+    pub words: [f64; 2],
+    /// The values there, in `unit`.
+    pub values: [f64; 2],
+    /// The unit of the values.
+    pub unit: String,
+}
+
+impl WordScale {
+    /// The value that a word stands for, also beyond the ends.
+    pub fn value(&self, word: f64) -> f64 {
+        let [low, high] = self.values;
+        low + (high - low) * self.share(word)
+    }
+
+    /// How far a word is from the low end to the high one: 0 to 1, less below it and more above it.
+    pub fn share(&self, word: f64) -> f64 {
+        let [low, high] = self.words;
+        (word - low) / (high - low)
+    }
 }
 
 /// A channel of the board.

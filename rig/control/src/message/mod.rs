@@ -9,7 +9,7 @@ mod status;
 
 pub use describe::{
     BusInfo, ChannelInfo, Description, DeviceInfo, FunctionInfo, Greeting, ModuleInfo, PointDirection,
-    PointInfo, Signal, SignalKind, SubjectKind, TaskInfo, TimeSource,
+    PointInfo, Signal, SignalKind, SubjectKind, TaskInfo, TimeSource, WordScale,
 };
 pub use event::{FrameSeen, Reply, RequestFault, ServerMessage, SignalChange, SubscriptionEvent};
 pub use plan::{Measured, PlanEvent, PlanStatus};

@@ -1,7 +1,7 @@
 //! How the analogue channels of a module are configured (io: 10.3; manufacturer's product help, TM3 analogue modules).
 
 use super::AnalogueMode;
-use signal::Span;
+use signal::{Decimal, Span, Unit};
 
 /// The parameters *Minimum* and *Maximum* of a channel: what its word of %I or %Q is at the two ends of its mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,6 +29,11 @@ impl CountRange {
         self.maximum
     }
 
+    /// Both.
+    fn ends(self) -> [f64; 2] {
+        [self.minimum, self.maximum].map(f64::from)
+    }
+
     /// Whether the word is one of the range.
     pub const fn contains(self, word: i16) -> bool {
         self.minimum <= word && word <= self.maximum
@@ -48,6 +53,17 @@ pub enum TemperatureScope {
     Celsius,
     /// In steps of 0.1 °F.
     Fahrenheit,
+}
+
+/// Two words of an analogue channel and the values that they stand for; between them words and values are proportional.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AnalogueEnds {
+    /// The words at the low and at the high end.
+    pub words: [f64; 2],
+    /// The values there, in `unit`.
+    pub values: [f64; 2],
+    /// The unit of the values.
+    pub unit: Unit,
 }
 
 /// An analogue input that is used.
@@ -75,6 +91,26 @@ impl<'a> AnalogueInputSettings<'a> {
         let (counts, scope) = (CountRange::FULL, TemperatureScope::Celsius);
         AnalogueInputSettings { mode, counts, scope, filter: Span::ZERO }
     }
+
+    /// What its words stand for; none for a mode whose ends no document has.
+    pub fn ends(&self) -> Option<AnalogueEnds> {
+        let values = [self.mode.low?.as_f64(), self.mode.high?.as_f64()];
+        let unit = self.mode.unit.clone();
+        Some(match (self.mode.step.map(Decimal::as_f64), self.scope) {
+            (None, _) => AnalogueEnds { words: self.counts.ends(), values, unit },
+            (Some(step), TemperatureScope::Celsius) => {
+                AnalogueEnds { words: values.map(|value| (value / step).round()), values, unit }
+            }
+            (Some(_), TemperatureScope::Fahrenheit) => {
+                let values = values.map(|celsius| celsius * 1.8 + 32.0);
+                AnalogueEnds {
+                    words: values.map(|value| (value * 10.0).round()),
+                    values,
+                    unit: Unit::new("degF"),
+                }
+            }
+        })
+    }
 }
 
 /// An analogue output that is used.
@@ -92,6 +128,12 @@ impl<'a> AnalogueOutputSettings<'a> {
     /// The output with these ends and the default of its fallback value: 0, or the end that is next to it.
     pub fn new(mode: &'a AnalogueMode, counts: CountRange) -> AnalogueOutputSettings<'a> {
         AnalogueOutputSettings { mode, counts, fallback: counts.nearest(0) }
+    }
+
+    /// What its words stand for; none for a mode whose ends no document has.
+    pub fn ends(&self) -> Option<AnalogueEnds> {
+        let values = [self.mode.low?.as_f64(), self.mode.high?.as_f64()];
+        Some(AnalogueEnds { words: self.counts.ends(), values, unit: self.mode.unit.clone() })
     }
 }
 

@@ -11,7 +11,9 @@ mod digital;
 mod layout;
 
 pub use analogue::{AnalogueChannels, AnalogueMode, Conversion};
-pub use channel_settings::{AnalogueInputSettings, AnalogueOutputSettings, CountRange, TemperatureScope};
+pub use channel_settings::{
+    AnalogueEnds, AnalogueInputSettings, AnalogueOutputSettings, CountRange, TemperatureScope,
+};
 pub use channel_status::ChannelStatus;
 pub use composition::{
     CompositionError, CompositionFault, LOCAL_MODULES, MODULE_INDICES, ModuleChain, REMOTE_MODULES,

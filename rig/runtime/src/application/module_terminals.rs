@@ -1,6 +1,8 @@
 //! The terminals of configured modules: their names, their places in the images, and what keeps one from being used.
 
-use profile::{AnalogueChannels, ChannelAddresses, ConfiguredModule, ModuleAddresses, Reference};
+use profile::{
+    AnalogueChannels, AnalogueEnds, ChannelAddresses, ConfiguredModule, ModuleAddresses, Reference,
+};
 use signal::{Address, Area};
 use std::fmt;
 
@@ -84,6 +86,16 @@ impl TerminalOfModule<'_> {
         match self.kind {
             ChannelKind::AnalogueInput => configured.input(channel).map(|input| input.mode.name.as_str()),
             ChannelKind::AnalogueOutput => configured.output(channel).map(|output| output.mode.name.as_str()),
+            ChannelKind::DigitalInput | ChannelKind::DigitalOutput => None,
+        }
+    }
+
+    /// What the words of an analogue channel that is used stand for.
+    pub fn ends(&self) -> Option<AnalogueEnds> {
+        let configured = self.module.configured;
+        match self.kind {
+            ChannelKind::AnalogueInput => configured.input(self.channel)?.ends(),
+            ChannelKind::AnalogueOutput => configured.output(self.channel)?.ends(),
             ChannelKind::DigitalInput | ChannelKind::DigitalOutput => None,
         }
     }

@@ -5,7 +5,7 @@ use crate::application::bundle::TaskPrograms;
 use crate::application::catalogue::Catalogue;
 use control::{
     BusInfo, ChannelInfo as OnBoard, DeviceInfo, FrameSeen, FunctionInfo, ModuleInfo, PointDirection,
-    PointInfo, SignalKind, TaskInfo,
+    PointInfo, SignalKind, TaskInfo, WordScale,
 };
 use controller::{TaskConfig, TaskKind};
 use drivers::{Board, BoardExt, BoardFile, BusId, BusKind, ChannelId, ChannelKind};
@@ -89,6 +89,7 @@ pub fn points(
             image: Some(address.to_string()),
             forcible: area == Area::Input || !expert.contains(number as usize),
             writable: file.channel_of(address).is_some_and(written),
+            scale: None,
         }
     };
     let inputs = (0..inputs).map(|number| terminal(Area::Input, 'I', number));
@@ -111,6 +112,7 @@ pub fn points(
             image: Some(address.to_string()),
             forcible: true,
             writable: written(binding.channel),
+            scale: scale_at(catalogue, address),
         })
     });
     let terminals: Vec<PointInfo> = inputs.chain(outputs).chain(of_modules).collect();
@@ -137,10 +139,21 @@ pub fn points(
             image: None,
             forcible: false,
             writable: written(id),
+            scale: None,
         })
     });
     let loose: Vec<PointInfo> = loose.collect();
     terminals.into_iter().chain(loose).collect()
+}
+
+/// What the words of the analogue channel at this place stand for.
+fn scale_at(catalogue: &Catalogue, address: Address) -> Option<WordScale> {
+    if address.size() == Size::Bit {
+        return None;
+    }
+    let ends =
+        catalogue.module_terminals().at(address, address.bit_len()).find_map(|terminal| terminal.ends())?;
+    Some(WordScale { words: ends.words, values: ends.values, unit: ends.unit.to_string() })
 }
 
 /// The channel behind each point, in their order.

@@ -1,7 +1,7 @@
 //! A rig whose time clients lead: exact, and the same each time.
 
-use super::{Bench, with_rig};
-use control::{ControllerAction, SignalKind};
+use super::{BOARD, Bench, PLAN, with_rig, with_rig_of};
+use control::{ControllerAction, SignalKind, WordScale};
 use services::control::{Answer, Rig, RigEvent, RigOrder};
 use signal::{Span, Value};
 
@@ -116,6 +116,34 @@ fn what_cannot_be_is_refused_with_a_code_and_a_mend() {
         // Elements of arrays are found though nobody lists them.
         bench.write("MAIN.list[2]", Value::Int(7)).unwrap();
         assert_eq!(bench.read("MAIN.list[2]"), Value::Int(7));
+    });
+}
+
+#[test]
+fn a_description_says_what_the_words_of_analogue_channels_stand_for() {
+    let plan = format!(
+        "{PLAN}[settings]
+modules = [
+    {{ type = \"TM3AI4\", inputs = [{{ mode = \"4..20 mA\", min = 0, max = 10000 }}] }},
+    {{ type = \"TM3TI4\", inputs = [{{ mode = \"PT100\", scope = \"fahrenheit\" }}, \"thermocouple K\"] }},
+    {{ type = \"TM3AQ2\", outputs = [{{ mode = \"-10..10 V\", min = -500, max = 500 }}] }},
+]
+"
+    );
+    with_rig_of(&plan, BOARD, true, |bench| {
+        let points = bench.rig.describe().points;
+        let scale = |name: &str| {
+            let point = points.iter().find(|point| point.name == name);
+            point.unwrap_or_else(|| panic!("no {name}")).scale.clone()
+        };
+        let of = |words, values, unit: &str| Some(WordScale { words, values, unit: unit.to_owned() });
+        assert_eq!(scale("I0"), None);
+        assert_eq!(scale("M1.IW0"), of([0.0, 10_000.0], [4.0, 20.0], "mA"));
+        assert_eq!(scale("M2.IW0"), of([-3280.0, 15_620.0], [-328.0, 1_562.0], "degF"));
+        assert_eq!(scale("M2.IW1"), of([-2_000.0, 13_000.0], [-200.0, 1_300.0], "degC"));
+        assert_eq!(scale("M3.QW0"), of([-500.0, 500.0], [-10.0, 10.0], "V"));
+        let current = scale("M1.IW0").unwrap();
+        assert_eq!((current.value(2_500.0), current.share(2_500.0)), (8.0, 0.25));
     });
 }
 

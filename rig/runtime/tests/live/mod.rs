@@ -199,11 +199,16 @@ impl Bench<'_> {
 
 /// Keeps a rig running while `act` works it, then stops it.
 pub fn with_rig(led: bool, act: impl FnOnce(&mut Bench<'_>)) -> SoftPlcReport {
-    let texts = Texts(&[("plan.toml", PLAN), ("lamp.st", PROGRAM), ("board.toml", BOARD)]);
+    with_rig_of(PLAN, BOARD, led, act)
+}
+
+/// The same with the program and the settings of this plan, on this board.
+pub fn with_rig_of(plan: &str, board: &str, led: bool, act: impl FnOnce(&mut Bench<'_>)) -> SoftPlcReport {
+    let texts = Texts(&[("plan.toml", plan), ("lamp.st", PROGRAM), ("board.toml", board)]);
     let (loaded, jobs) = texts.load(1);
     let case = loaded.plan.case(jobs[0].case).unwrap();
     let files = loaded.files(&case, &jobs[0]).unwrap();
-    let board = (files.board.clone(), BOARD.to_owned());
+    let board = (files.board.clone(), board.to_owned());
     let plans = live::PlanBench { source: Arc::new(Library), board, seed: 1 };
     // As the signal handler's: there as long as the program.
     let interrupt: &AtomicBool = Box::leak(Box::new(AtomicBool::new(false)));

@@ -132,6 +132,7 @@ impl Rig for Fake {
             image: Some("m5".into()),
             forcible: true,
             writable: false,
+            scale: None,
         };
         Description { board: "fake".into(), clock, points: vec![point], ..Description::default() }
     }

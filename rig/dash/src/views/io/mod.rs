@@ -35,7 +35,7 @@ const WIDE: [CanvasColumn; 12] = [
     column("Address", 9, false, 0),
     column("Variable", 22, false, 0),
     column("", 6, false, 0),
-    column("Image", 16, true, 0),
+    column("Image", 18, true, 0),
     column("Line", 16, true, 0),
     column("Rising", 9, true, 0),
     column("Falling", 9, true, 0),
@@ -104,8 +104,8 @@ impl IoView {
         };
         let now = row.cells(model).image;
         let other = match now.map(|value| value.0) {
-            // An analogue channel is forced to its counts.
-            Some(counts @ Value::Word(_)) => show::value(WireValue(counts), &[]),
+            // An analogue channel is forced to its word.
+            Some(word @ (Value::Word(_) | Value::Int(_))) => show::value(WireValue(word), &[]),
             level => {
                 show::value(WireValue(Value::Bool(!level.and_then(Value::as_bool).unwrap_or(false))), &[])
             }
@@ -207,6 +207,10 @@ impl View for IoView {
             let style = style(&cells, &canvas);
             let texts = if wide { wide_texts(&cells) } else { texts(&cells) };
             canvas::cells(&mut canvas, y, columns, texts, style);
+            if let Some(share) = cells.share {
+                let (x, width) = edge_columns(columns);
+                canvas.bar(x, y, width, share, None, style);
+            }
             if place == self.chosen {
                 canvas.shade(y, canvas::chosen());
             }
@@ -353,7 +357,21 @@ fn mark(cells: &Cells) -> &'static str {
 }
 
 fn edges(cells: &Cells, of: u64) -> String {
-    if cells.is_point { of.to_string() } else { String::new() }
+    if has_edges(cells) { of.to_string() } else { String::new() }
+}
+
+/// An analogue channel has a bar in their place.
+fn has_edges(cells: &Cells) -> bool {
+    cells.is_point && cells.share.is_none()
+}
+
+/// Where the columns of the edges begin, and how wide they are.
+fn edge_columns(columns: &[CanvasColumn]) -> (u16, u16) {
+    let is_of_edges = |column: &&CanvasColumn| matches!(column.title, "Edges" | "Rising" | "Falling");
+    let before = columns.iter().take_while(|column| !is_of_edges(column));
+    let x = before.map(|column| column.width + 1).sum::<u16>() + 1;
+    let width = columns.iter().filter(is_of_edges).map(|column| column.width + 1).sum::<u16>();
+    (x, width.saturating_sub(1))
 }
 
 fn texts(cells: &Cells) -> Vec<String> {
@@ -363,9 +381,9 @@ fn texts(cells: &Cells) -> Vec<String> {
         cells.name.clone(),
         cells.address.clone(),
         cells.variable.clone(),
-        cells.image_text.clone(),
+        cells.meaning.as_ref().unwrap_or(&cells.image_text).clone(),
         cells.line_text.clone(),
-        if cells.is_point { both } else { String::new() },
+        if has_edges(cells) { both } else { String::new() },
         if cells.lost { format!("! {}", cells.driver) } else { cells.driver.clone() },
     ]
 }

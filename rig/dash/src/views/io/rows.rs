@@ -3,7 +3,7 @@
 use crate::input_value::ExpectedInput;
 use crate::model::RigModel;
 use crate::show;
-use control::{PointDirection, PointInfo, PointStatus, Signal, SignalKind, WireValue};
+use control::{PointDirection, PointInfo, PointStatus, Signal, SignalKind, Value, WireValue};
 use std::cmp::Ordering;
 
 /// A row.
@@ -66,6 +66,11 @@ pub(super) struct Cells {
     /// What the program sees or wrote.
     pub image: Option<WireValue>,
     pub image_text: String,
+    /// What the word of an analogue channel stands for, in its unit.
+    pub meaning: Option<String>,
+    /// How far the word of an analogue channel is from one end of its mode to the other: 0 to 1, and beyond. Such a channel has no
+    /// edges.
+    pub share: Option<f64>,
     /// What is on the line.
     pub line_text: String,
     pub edges: PointStatus,
@@ -175,6 +180,15 @@ fn point_cells(place: usize, point: &PointInfo, model: &RigModel) -> Cells {
         by: forced.and_then(|forced| forced.by.clone()).unwrap_or_default(),
         ..Cells::default()
     };
+    if let (Some(scale), Some(WireValue(Value::Int(word)))) = (&point.scale, image) {
+        // The image is a WORD, and that of an analogue channel is an INT.
+        let word = word as i16;
+        let value = WireValue(Value::Real(scale.value(f64::from(word))));
+        let meaning = show::with_unit(value, &[], &scale.unit);
+        cells.image_text = format!("{word} = {meaning}");
+        cells.meaning = Some(meaning);
+        cells.share = Some(scale.share(f64::from(word)));
+    }
     if let Some(channel) = &point.channel {
         let line = value(&Some(channel.name.clone()));
         cells.line_text = text(line, &channel.unit);

@@ -65,6 +65,7 @@ fn description() -> Description {
             image: Some(address.to_owned()),
             forcible: true,
             writable: false,
+            scale: None,
         };
     let bus = |name: &str, kind: &str, settings: &str| BusInfo {
         name: name.to_owned(),
