@@ -133,7 +133,7 @@ fn parameters_that_no_plan_has() {
         &["test", "lamp.toml", "--param", "limit=1 s"],
         &["R0229", "no plan has a parameter `limit`"],
     );
-    bench.refused(&["test", "--param", "limit=1 s"], &["no plan has a parameter `limit`"]);
+    bench.refused(&["test", "--shipped", "--param", "limit=1 s"], &["no plan has a parameter `limit`"]);
     // A value that does not fit is shown where it is used.
     bench.refused(
         &["test", "limit.toml", "--param", "limit=soon"],

@@ -7,7 +7,7 @@ use crate::project_folder::{TestProject, root};
 #[test]
 fn the_register_as_json() {
     let bench = TestProject::new();
-    bench.expect(0, &["test", "--only", "watchdog", "--report", "out"]);
+    bench.expect(0, &["test", "--shipped", "--only", "watchdog", "--report", "out"]);
     let out = bench.expect(0, &["requirements", "--format", "json", "--report", "out"]).out;
     let rows: serde_json::Value = serde_json::from_str(&out).unwrap();
     let rows = rows.as_array().unwrap();
@@ -39,7 +39,7 @@ fn the_register_as_json() {
 #[test]
 fn the_register_as_a_table() {
     let bench = TestProject::new();
-    bench.expect(0, &["test", "--only", "watchdog/fallback", "--report", "out"]);
+    bench.expect(0, &["test", "--shipped", "--only", "watchdog/fallback", "--report", "out"]);
     let out = bench.expect(0, &["requirements", "--report", "out"]).out;
     let last = out.lines().last().unwrap();
     assert!(

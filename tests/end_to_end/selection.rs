@@ -73,11 +73,37 @@ fn only_selects_by_name_title_proof_and_profile() {
 }
 
 #[test]
-fn the_library_is_there_without_files() {
+fn without_files_the_project_in_the_current_folder_runs_and_elsewhere_the_library() {
     let bench = TestProject::new();
-    let all = listed(&bench, &[]);
+    assert_eq!(listed(&bench, &[]), ["lamp"]);
+    bench.write("site/suite.toml", "format = 1\ntitle = \"t\"\nsignals = { lamp = \"%QX0.4\", other = \"%QX0.5\" }\ninvariants = [{ name = \"n\", never = { all = [\"lamp\", \"other\"] } }]\n");
+    bench.write("site/plans/a.toml", &LAMP.replace("lamp.st", "../../lamp.st"));
+    bench.write("site/src/note.txt", "");
+    bench.write("empty/note.txt", "");
+    let within = |folder: &str, args: &[&str]| {
+        let mut command = bench.command(args);
+        command.current_dir(bench.path(folder));
+        let done = command.output().unwrap();
+        (
+            done.status.code(),
+            String::from_utf8(done.stdout).unwrap() + &String::from_utf8(done.stderr).unwrap(),
+        )
+    };
+    assert_eq!(
+        within("site", &["test", "--list"]).1.lines().next().unwrap().split("  ").next(),
+        Some("plans/a")
+    );
+    assert_eq!(within("site/plans", &["test", "--list"]).1.split("  ").next(), Some("a"));
+    // A folder of a project without plans is no reason to run others.
+    let (code, said) = within("site/src", &["test", "--list"]);
+    assert!(code == Some(2) && said.contains("R0230"), "{said}");
+    assert_eq!(within("site", &["check"]), (Some(0), String::from("plans/a.toml: no errors\n")));
+    let (code, said) = within("empty", &["check"]);
+    assert!(code == Some(2) && said.contains("R0230") && said.contains("no project"), "{said}");
+    assert!(within("empty", &["test", "--list"]).1.lines().count() > 100);
+    let all = listed(&bench, &["--shipped"]);
     assert!(all.len() > 100 && all.iter().any(|name| name == "watchdog/fallback[over]"));
-    let ran = bench.expect(0, &["test", "--only", "watchdog/fallback or bench"]);
+    let ran = bench.expect(0, &["test", "--shipped", "--only", "watchdog/fallback or bench"]);
     assert!(ran.out.contains("PASS") && ran.out.contains("bench/oven[broken]"), "{}", ran.out);
 }
 

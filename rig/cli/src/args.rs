@@ -20,7 +20,7 @@ pub struct Cli {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum CliCommand {
-    /// Run test plans; without any, the plans that ship with the rig, on the simulated board.
+    /// Run test plans; without any, those of the project in the current folder, else those that ship with the rig.
     Test(crate::test::TestArgs),
     /// Check plans, boards and programs and report what is wrong; nothing moves.
     Check(crate::check::CheckArgs),

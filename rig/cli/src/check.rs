@@ -6,6 +6,7 @@ use crate::output;
 use crate::plan_files::Parameters;
 use crate::plan_files::find::find;
 use crate::plan_files::kind::{self, FileKind};
+use crate::plan_files::project;
 use clap::Args;
 use document::{Diagnostic, SourceFile};
 use drivers::file::BoardFile;
@@ -19,8 +20,9 @@ use std::path::{Path, PathBuf};
 /// `rig check`.
 #[derive(Debug, Args)]
 pub struct CheckArgs {
-    /// Plans, board files, instrument files, programs (`.st`), or folders that are searched for plans.
-    #[arg(value_name = "FILE|DIR", required_unless_present = "board")]
+    /// Plans, board files, instrument files, programs (`.st`), or folders that are searched for plans [default: the project in
+    /// the current folder].
+    #[arg(value_name = "FILE|DIR")]
     pub files: Vec<PathBuf>,
     /// A board file, to be checked and to check the plans on in place of their own.
     #[arg(long, value_name = "FILE")]
@@ -36,7 +38,19 @@ pub fn run(args: &CheckArgs) -> ExitStatus {
         Ok(parameters) => parameters,
         Err(exit) => return exit,
     };
-    let paths = match find(&args.files) {
+    let named = match (args.files.is_empty() && args.board.is_none(), project::folder()) {
+        (false, _) => args.files.clone(),
+        (true, Some(folder)) => vec![folder],
+        (true, None) => {
+            let message = "no file is named, and the current folder is no project";
+            return output::refuse(
+                "R0230",
+                message,
+                "name plans, board files or folders, or go to a folder with plans",
+            );
+        }
+    };
+    let paths = match find(&named) {
         Ok(paths) => paths,
         Err(exit) => return exit,
     };

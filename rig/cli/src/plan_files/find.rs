@@ -38,6 +38,12 @@ pub fn find(paths: &[PathBuf]) -> Result<Vec<String>, ExitStatus> {
     Ok(found)
 }
 
+/// Whether a plan lies in a folder itself. What cannot be read holds none.
+pub fn has_plan(folder: &Path) -> bool {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    entries.map(|entry| entry.path()).any(|path| kind_of(&path) == Some(FileKind::Plan))
+}
+
 /// A folder that cannot be searched.
 #[derive(Debug)]
 pub struct UnreadFolder {
@@ -87,7 +93,7 @@ impl FolderSearch<'_> {
         for path in paths {
             if path.is_dir() {
                 self.search(&path, depth + 1)?;
-            } else if !is_suite(&path.to_string_lossy()) && is_plan(&path) {
+            } else if is_plan(&path) {
                 self.found.push(tidy(&path));
             }
         }
@@ -98,14 +104,19 @@ impl FolderSearch<'_> {
 /// In a folder of a user's project other TOML files stand about. One that is no plan yet is taken for one, so that it is not
 /// passed over in silence.
 fn is_plan(path: &Path) -> bool {
-    if path.extension().is_none_or(|ending| ending != "toml") {
-        return false;
+    matches!(kind_of(path), Some(FileKind::Plan | FileKind::Unclear))
+}
+
+/// What a TOML file is that is no suite file; `None` of any other.
+fn kind_of(path: &Path) -> Option<FileKind> {
+    if path.extension().is_none_or(|ending| ending != "toml") || is_suite(&path.to_string_lossy()) {
+        return None;
     }
-    match file::read_start(path, LOOKED_AT) {
-        Ok(bytes) => matches!(kind::of(&String::from_utf8_lossy(&bytes)), FileKind::Plan | FileKind::Unclear),
+    Some(match file::read_start(path, LOOKED_AT) {
+        Ok(bytes) => kind::of(&String::from_utf8_lossy(&bytes)),
         // What it is cannot be seen: it is taken for a plan, and refused when it is read.
-        Err(_) => true,
-    }
+        Err(_) => FileKind::Unclear,
+    })
 }
 
 /// A path without `.`: cases are named by it, and one plan has one name.

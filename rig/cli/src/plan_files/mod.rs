@@ -5,5 +5,6 @@ pub mod kind;
 pub mod library;
 pub mod load;
 mod parameters;
+pub mod project;
 
 pub use parameters::Parameters;

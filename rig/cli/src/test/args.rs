@@ -18,9 +18,13 @@ pub enum ClockChoice {
 /// `rig test`.
 #[derive(Debug, Args)]
 pub struct TestArgs {
-    /// Plan files, or folders that are searched for plans.
+    /// Plan files, or folders that are searched for plans [default: the project in the current folder; the plans that ship
+    /// where that is none].
     #[arg(value_name = "PLAN|DIR")]
     pub plans: Vec<PathBuf>,
+    /// Run the plans that ship with the rig, also in the folder of a project.
+    #[arg(long, conflicts_with = "plans")]
+    pub shipped: bool,
     /// The board file to use in place of each plan's own.
     #[arg(long, value_name = "FILE")]
     pub board: Option<PathBuf>,

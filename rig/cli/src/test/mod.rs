@@ -14,6 +14,7 @@ mod text_output;
 use crate::exit::ExitStatus;
 use crate::output;
 use crate::plan_files::load::{self, LoadRequest};
+use crate::plan_files::project;
 pub use args::TestArgs;
 use display::{ProgressMode, TestOutput};
 use json_events::JsonEvents;
@@ -33,12 +34,12 @@ pub fn run(args: &TestArgs) -> ExitStatus {
 
 fn try_run(args: &TestArgs) -> Result<ExitStatus, ExitStatus> {
     let mut sources = Vec::new();
-    let wanted = LoadRequest {
-        plans: &args.plans,
-        board: args.board.as_deref(),
-        params: &args.params,
-        seed: args.seed,
+    let own: Vec<_> = match args.plans.is_empty() && !args.shipped {
+        true => project::folder().into_iter().collect(),
+        false => args.plans.clone(),
     };
+    let wanted =
+        LoadRequest { plans: &own, board: args.board.as_deref(), params: &args.params, seed: args.seed };
     let loaded = load::load(&wanted, &mut sources)?;
     let chosen = choose::choose(args, &loaded)?;
     let (jobs, part) = SuitePart::of(&args.reporting, &loaded, chosen)?;

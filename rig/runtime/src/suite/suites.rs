@@ -15,6 +15,11 @@ pub fn is_suite(path: &str) -> bool {
     Path::new(path).file_name().is_some_and(|name| name == SUITE_FILE)
 }
 
+/// Whether a file, which need not be there, is one of a suite: a suite file lies beside it or in a folder above.
+pub fn is_of_suite(files: &dyn FileSource, path: &str) -> bool {
+    files.folders(path).iter().any(|folder| files.has(&of_folder(folder)))
+}
+
 /// Reads a suite file.
 ///
 /// # Errors
@@ -39,7 +44,7 @@ pub(crate) fn suites_of(
 ) -> Result<Vec<Arc<GlobalChecks>>, Vec<Diagnostic>> {
     let mut suites = Vec::new();
     for folder in files.folders(plan).into_iter().rev() {
-        let path = if folder.is_empty() { SUITE_FILE.to_owned() } else { in_folder(&folder, SUITE_FILE) };
+        let path = of_folder(&folder);
         if let Some(found) = misnamed(files, &folder, plan, sources) {
             return Err(vec![found]);
         }
@@ -93,6 +98,11 @@ fn foreign(path: &str) -> Diagnostic {
     );
     Diagnostic::error(codes::SUITE_OF_ANOTHER_USER, message)
         .help("move the plan into a folder of your own, with the suite file if it is meant")
+}
+
+/// The suite file of a folder.
+fn of_folder(folder: &str) -> String {
+    if folder.is_empty() { SUITE_FILE.to_owned() } else { in_folder(folder, SUITE_FILE) }
 }
 
 fn in_folder(folder: &str, name: &str) -> String {
