@@ -52,6 +52,18 @@ fn files_that_are_not_there() {
     assert!(run.err.contains("R0201") && !run.err.contains("rig-run"), "{}", run.err);
     bench.write("empty/readme.txt", "");
     bench.refused(&["test", "empty"], &["R0230", "empty holds no plan"]);
+    // Files of other kinds say what they are, in one finding.
+    bench.write("suite.toml", "format = 1\n");
+    for (file, what) in [
+        ("board.toml", "a board file and no plan"),
+        ("lamp.st", "a program and no plan"),
+        ("suite.toml", "a suite file and no plan"),
+    ] {
+        let ran = bench.expect(2, &["test", file]);
+        assert!(ran.err.contains("R0235") && ran.err.contains(what), "{}", ran.err);
+        assert_eq!(ran.err.matches("error[").count(), 1, "{}", ran.err);
+    }
+    std::fs::remove_file(bench.path("suite.toml")).unwrap();
     // A folder in place of a file, and a file in place of a folder.
     bench.refused(&["test", "lamp.toml", "--board", "empty"], &["R0201", "empty"]);
     bench.refused(&["test", "lamp.toml", "--report", "lamp.st"], &["lamp.st"]);

@@ -289,6 +289,7 @@ pub const CODES: &[(&str, &str)] = &[
     ("R0241", "A chip that cannot be looked at"),
     ("R0242", "A board file that is there already"),
     ("R0243", "A board without lines of this machine"),
+    ("R0235", "A file that is named as a plan and is none"),
     ("R0244", "A call on a device that failed"),
     ("R0245", "An output that would move without consent"),
     ("R0246", "A channel that is no output"),

@@ -4,11 +4,16 @@ use crate::exit::ExitStatus;
 use crate::output;
 use crate::plan_files::Parameters;
 use crate::plan_files::find::find;
+use crate::plan_files::kind::{self, FileKind};
 use crate::plan_files::library::{self, ShippedFiles};
 use document::{Diagnostic, SourceFile};
 use drivers::file::BoardFile;
+use runtime::suite::suites::is_suite;
 use runtime::suite::{self, Disk, FileSource, LoadedPlan};
 use std::path::{Path, PathBuf};
+
+/// A file that is named as a plan and is none.
+const NO_PLAN: &str = "R0235";
 
 /// What the command line names.
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +50,12 @@ pub fn load(request: &LoadRequest<'_>, sources: &mut Vec<SourceFile>) -> Result<
     let mut loaded = Vec::new();
     let (mut wrong, mut shown) = (false, Vec::new());
     for path in &paths {
+        if let Some((what, help)) = other_than_plan(files, path) {
+            let found = Diagnostic::error(NO_PLAN, format!("`{path}` is {what} and no plan")).help(help);
+            output::new_findings(&[found], &mut shown, sources);
+            wrong = true;
+            continue;
+        }
         // What cannot be read is reported by the loading.
         let own = parameters.of_plan(files, path);
         match suite::load_plan(files, path, board.as_ref(), &own, request.seed, sources) {
@@ -65,4 +76,24 @@ pub fn load(request: &LoadRequest<'_>, sources: &mut Vec<SourceFile>) -> Result<
     }
     parameters.finish()?;
     Ok(loaded)
+}
+
+/// What a file is that was named as a plan and is none, and what to do; `None` for a plan, and for what may become one.
+fn other_than_plan(files: &dyn FileSource, path: &str) -> Option<(&'static str, &'static str)> {
+    if is_suite(path) {
+        return Some(("a suite file", "name the plans below it, or their folder"));
+    }
+    if Path::new(path).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("st")) {
+        return Some((
+            "a program",
+            "name a plan that has it as its `program`; `rig program run` runs it alone",
+        ));
+    }
+    match kind::of(&files.read(path).ok()?) {
+        FileKind::Board => {
+            Some(("a board file", "name plans; with `--board FILE` they run on it in place of their own"))
+        }
+        FileKind::Instrument => Some(("an instrument file", "`rig judge --instrument FILE` takes it")),
+        FileKind::Plan | FileKind::Included | FileKind::Unclear | FileKind::Neither => None,
+    }
 }
