@@ -125,6 +125,10 @@ pub const MODULE_NOT_MODELLED: &str = "R0263";
 pub const NO_MODULE: &str = "R0264";
 /// A place of the images where nothing is.
 pub const PLACE_OF_NOTHING: &str = "R0265";
+/// A place of the images that is a part of something else, or the status of an input that is not read.
+pub const PLACE_OF_ANOTHER: &str = "R0266";
+/// A terminal of a module that a board drives and a plan does not use.
+pub const UNUSED_TERMINAL: &str = "R0267";
 /// A frame that its bus cannot carry.
 pub const FRAME_NOT_CARRIED: &str = "R0270";
 /// A port that the controller of a case lacks.
@@ -285,11 +289,11 @@ pub const CODES: &[(&str, &str)] = &[
     ("R0232", "Output that cannot be written"),
     ("R0233", "Cases that cannot be in one run"),
     (FAULT_IN_WORST_CASE, "A fault on a line whose edges may come at any time within their delay"),
+    ("R0235", "A file that is named as a plan and is none"),
     ("R0240", "A machine without GPIO lines"),
     ("R0241", "A chip that cannot be looked at"),
     ("R0242", "A board file that is there already"),
     ("R0243", "A board without lines of this machine"),
-    ("R0235", "A file that is named as a plan and is none"),
     ("R0244", "A call on a device that failed"),
     ("R0245", "An output that would move without consent"),
     ("R0246", "A channel that is no output"),
@@ -309,6 +313,8 @@ pub const CODES: &[(&str, &str)] = &[
     (MODULE_NOT_MODELLED, "A module that has no model yet"),
     (NO_MODULE, "A module that is not configured"),
     (PLACE_OF_NOTHING, "A place of the images where nothing is"),
+    (PLACE_OF_ANOTHER, "A place of the images that belongs to another channel"),
+    (UNUSED_TERMINAL, "A terminal of a module that a board drives and the plan does not use"),
     (FRAME_NOT_CARRIED, "A frame that its bus cannot carry"),
     (PORT_MISSING, "A port that the controller of a case lacks"),
     (NO_BUS, "A bus that the plan's board does not have"),

@@ -120,7 +120,13 @@ fn a_program_at_a_place_where_nothing_is_gives_a_warning() {
             "no input of the controller is at %IW40",
             "%IW2..%IW5 and status %IB12..%IB15 of M2 (TM3AI4)",
         ),
-        ("status AT %IB12 : BYTE;", "", "", ""),
+        ("level AT %IW2 : INT; status AT %IB12 : BYTE;", "", "", ""),
+        (
+            "level AT %IW2 : INT; status AT %IB13 : BYTE;",
+            "",
+            "%IB13 is the status of M2.IW1, an input of TM3AI4 that is not used",
+            "inputs = [\"0..10 V\", \"0..10 V\"]",
+        ),
         (
             "status AT %IB18 : BYTE;",
             "",
@@ -156,6 +162,65 @@ fn a_program_at_a_place_where_nothing_is_gives_a_warning() {
             _ => false,
         };
         assert!(fits, "{declared} {body}: {found:#?}");
+    }
+}
+
+/// An address that was right for another list of modules.
+#[test]
+fn a_program_at_a_place_of_another_channel_gives_a_warning() {
+    for (declared, message, help) in [
+        (
+            "level AT %IW2 : INT; status AT %IB4 : BYTE;",
+            "%IB4 is a part of M2.IW0, an analogue channel of TM3AI4",
+            "its word is %IW2, its status %IB12",
+        ),
+        (
+            "level AT %IW2 : INT; door AT %IX5.7 : BOOL;",
+            "%IX5.7 is a part of M2.IW0, an analogue channel of TM3AI4",
+            "its word is %IW2",
+        ),
+        (
+            "status AT %IB12 : BYTE;",
+            "%IB12 is the status of M2.IW0, whose value the program does not read",
+            "the value of M2.IW0 is %IW2",
+        ),
+        // Several status bytes at once, and the status of an output, say nothing of a value.
+        ("all AT %IW6 : WORD;", "", ""),
+        ("level AT %IW2 : INT; bad AT %IX12.0 : BOOL;", "", ""),
+        ("status AT %IB16 : BYTE;", "", ""),
+    ] {
+        let program =
+            format!("PROGRAM MAIN\nVAR small : USINT; {declared} END_VAR\nsmall := 1;\nEND_PROGRAM");
+        let found = with_modules("", "", &program).unwrap();
+        let fits = match (message, found.as_slice()) {
+            ("", found) => found.is_empty(),
+            (message, [one]) => one.code == "R0266" && one.message == message && one.help.contains(help),
+            _ => false,
+        };
+        assert!(fits, "{declared}: {found:#?}");
+    }
+}
+
+/// The wrong number in the name of a terminal: what the board drives goes nowhere.
+#[test]
+fn a_board_that_drives_an_unused_terminal_gives_a_warning() {
+    for (terminal, wanted) in
+        [("M1.IW0", ""), ("M1.IW1", "R0267 the board drives `M1.IW1`, an input of TM3AI4 that is not used")]
+    {
+        let board = BOARD.replace(
+            "level = {",
+            &format!("\"{terminal}\" = {{ kind = \"analog\", unit = \"V\" }}\nlevel = {{"),
+        ) + &format!(
+            "[[plants]]\nkind = \"transmitter\"\nname = \"t\"\ninput = \"level\"\noutput = \"{terminal}\"\nrange = \"0 .. 6 bar\"\n\
+                 signal = \"0 .. 10 V\"\nsample = \"10 ms\"\n"
+        );
+        let plan = "format = 1\ntitle = \"A plan\"\nprogram = \"a.st\"\nboard = \"board.toml\"\nexpect = [{ state = { stays = \"RUNNING\" } }]\n\
+                    [settings]\nmodules = [{ type = \"TM3AI4\", inputs = [\"0..10 V\"] }]\n";
+        let (loaded, jobs) = Texts(&[("plan.toml", plan), ("a.st", PROGRAM), ("board.toml", &board)]).load(1);
+        let case = loaded.plan.case(0).unwrap();
+        let found = check_case(&case, &loaded.files(&case, &jobs[0]).unwrap()).unwrap();
+        let shown: Vec<String> = found.iter().map(|one| format!("{} {}", one.code, one.message)).collect();
+        assert_eq!(shown, if wanted.is_empty() { vec![] } else { vec![wanted] }, "{terminal}");
     }
 }
 
@@ -233,6 +298,17 @@ fn values_that_a_place_a_terminal_or_a_line_does_not_take_are_errors() {
         (write("MAIN.go", "2"), level),
         (write("MAIN.r", "true"), "it takes 0 and magnitudes"),
         (write("MAIN.back", "-1"), "it takes a time from 0 s to"),
+        (write("MAIN.r", "true"), "it takes 0 and magnitudes"),
+        (write("MAIN.back", "-1"), "it takes a time from 0 s to"),
+        (write("MAIN.back", "\"T#500ms\""), ""),
+        (write("MAIN.back", "\"500 ms\""), ""),
+        (write("MAIN.back", "500_000_000"), ""),
+        // A TIME counts milliseconds: half of one would be cut.
+        (write("MAIN.back", "\"1.5 ms\""), "in whole 1 ms"),
+        (write("MAIN.back", "1_500_000"), "in whole 1 ms"),
+        (write("MAIN.back", "\"2 V\""), "a variable of type TIME takes a duration"),
+        (write("MAIN.r", "\"500 ms\""), "it takes 0 and magnitudes"),
+        (write("word", "\"500 ms\""), "write TRUE, FALSE or a number without a unit"),
         (write("PLC_W.q_wPLCControl", "65536"), "it takes a whole number from 0 to 65535"),
         (write("word", "\"2 V\""), "write TRUE, FALSE or a number without a unit"),
         (of("force", "%IX0.0", "1"), ""),

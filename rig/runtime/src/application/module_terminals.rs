@@ -106,6 +106,33 @@ impl TerminalOfModule<'_> {
             || self.mode(self.channel).is_some()
     }
 
+    /// Whether its channel is analogue: a word.
+    pub fn is_word(&self) -> bool {
+        matches!(self.kind, ChannelKind::AnalogueInput | ChannelKind::AnalogueOutput)
+    }
+
+    /// Whether its channel is an input.
+    pub fn is_input(&self) -> bool {
+        self.kind.is_input()
+    }
+
+    /// Where its channel is in an image.
+    pub fn place(&self) -> Option<Address> {
+        self.kind.of(&self.module.places)?.iter().nth(self.channel)
+    }
+
+    /// Where the status byte of an analogue channel is; none where the module has none. Those of inputs come first.
+    pub fn status(&self) -> Option<Address> {
+        let before = match self.kind {
+            ChannelKind::AnalogueInput => 0,
+            ChannelKind::AnalogueOutput => {
+                self.module.places.analogue_inputs.map_or(0, |inputs| inputs.count() as usize)
+            }
+            ChannelKind::DigitalInput | ChannelKind::DigitalOutput => return None,
+        };
+        self.module.places.status?.iter().nth(before + self.channel)
+    }
+
     /// What to write so that an analogue channel is used.
     pub fn how_to_use(&self) -> String {
         let module = self.module.configured.module;
@@ -160,7 +187,8 @@ impl<'a> ModuleTerminals<'a> {
         })
     }
 
-    fn all(&self) -> impl Iterator<Item = (TerminalOfModule<'a>, Address)> {
+    /// All terminals with their places.
+    pub fn all(&self) -> impl Iterator<Item = (TerminalOfModule<'a>, Address)> {
         self.modules().flat_map(|module| {
             ChannelKind::ALL.into_iter().flat_map(move |kind| {
                 let channels = kind.of(&module.places).into_iter().flat_map(|all| all.iter()).enumerate();
@@ -231,15 +259,15 @@ impl<'a> ModuleTerminals<'a> {
         self.modules().filter_map(of).collect()
     }
 
-    /// Whether a status byte shares bits with a place of an image.
-    pub fn has_status_at(&self, address: Address, bits: u32) -> bool {
+    /// The terminals whose status bytes a place of an image shares bits with.
+    pub fn of_status_at(&self, address: Address, bits: u32) -> impl Iterator<Item = TerminalOfModule<'a>> {
         let end = address.bit_offset().saturating_add(bits);
-        let mut bytes =
-            self.modules().filter_map(|module| module.places.status).flat_map(|status| status.iter());
-        bytes.any(|byte| {
-            byte.area() == address.area()
-                && byte.bit_offset() < end
-                && address.bit_offset() < byte.bit_offset() + byte.bit_len()
+        self.all().map(|(terminal, _)| terminal).filter(move |terminal| {
+            terminal.status().is_some_and(|byte| {
+                byte.area() == address.area()
+                    && byte.bit_offset() < end
+                    && address.bit_offset() < byte.bit_offset() + byte.bit_len()
+            })
         })
     }
 }
@@ -294,8 +322,12 @@ mod tests {
         assert_eq!(at("%ID1"), ["M1.IW0", "M1.IW1"]);
         assert_eq!(at("%QX3.7"), ["M2.Q7"]);
         assert!(at("%QX4.0").is_empty() && at("%IX3.0").is_empty());
-        let status = |place: &str| terminals.has_status_at(Address::parse(place).unwrap(), 8);
-        assert!(status("%IB12") && status("%IB15") && !status("%IB16") && !status("%QB12"));
+        let status = |place: &str| {
+            let of = terminals.of_status_at(Address::parse(place).unwrap(), 8);
+            of.map(|terminal| terminal.to_string()).collect::<Vec<_>>()
+        };
+        assert_eq!((status("%IB12"), status("%IB15")), (vec!["M1.IW0".into()], vec!["M1.IW3".into()]));
+        assert!(status("%IB16").is_empty() && status("%QB12").is_empty());
         assert_eq!(terminals.in_image(Area::Input), ["%IW2..%IW5 and status %IB12..%IB15 of M1 (TM3AI4)"]);
         assert_eq!(terminals.in_image(Area::Output), ["%QX3.0..%QX3.7 of M2 (TM3DQ8T)"]);
     }

@@ -12,6 +12,7 @@ pub(crate) mod refusal;
 pub mod rejudge;
 pub(crate) mod spill;
 pub(crate) mod test_setup;
+mod unused_terminals;
 
 use crate::application::coverage::{Collector, CoveredFile};
 use crate::case::configure::initial_state;

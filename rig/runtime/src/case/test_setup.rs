@@ -9,6 +9,7 @@ use crate::application::{assign, compile, notes};
 use crate::application::{image_places, inputs, modules};
 use crate::case::check::CaseOnBench;
 use crate::case::configure::{configuration, initial_state};
+use crate::case::unused_terminals;
 use crate::codes;
 use crate::prepare::{PreparedCase, TestBench, prepare};
 use crate::subject::Subject;
@@ -101,6 +102,7 @@ pub(crate) fn set_up(
     let tasks = Tasks::new(program.as_deref(), &case.settings, files.profile, &files.plan)?;
     tasks.configure(&mut config, &case.settings, program.as_deref(), &files.plan)?;
     let mut warnings = functions::warnings(&config, &case.settings, &files.plan.name);
+    warnings.extend(unused_terminals::warnings(&files.board, &config, &files.plan.name));
     let tasks = tasks.programs;
     if let Some(program) = &program {
         let Some(places) = assign(program, &tasks) else {
