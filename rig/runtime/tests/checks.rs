@@ -225,6 +225,17 @@ fn a_board_that_drives_an_unused_terminal_gives_a_warning() {
 }
 
 #[test]
+fn what_can_only_be_read_is_not_written() {
+    for name in ["PLC_R.i_wStatus", "LED.RUN", "OUTPUT.Q0"] {
+        let found = of_step(&format!("write = {{ of = \"{name}\", value = 1 }}"));
+        assert!(found.len() == 1 && found[0].starts_with("R0106"), "{name}: {found:?}");
+        // A plan may claim that the controller refuses it.
+        let found = of_step(&format!("refused = true, write = {{ of = \"{name}\", value = 1 }}"));
+        assert!(found.is_empty(), "{name}: {found:?}");
+    }
+}
+
+#[test]
 fn a_name_of_a_terminal_that_a_module_does_not_have_says_what_to_write() {
     for (bound, code, help) in [
         (
@@ -296,8 +307,6 @@ fn values_that_a_place_a_terminal_or_a_line_does_not_take_are_errors() {
         (write("%MX4.0", "2"), level),
         (write("MAIN.go", "true"), ""),
         (write("MAIN.go", "2"), level),
-        (write("MAIN.r", "true"), "it takes 0 and magnitudes"),
-        (write("MAIN.back", "-1"), "it takes a time from 0 s to"),
         (write("MAIN.r", "true"), "it takes 0 and magnitudes"),
         (write("MAIN.back", "-1"), "it takes a time from 0 s to"),
         (write("MAIN.back", "\"T#500ms\""), ""),

@@ -11,7 +11,7 @@ pub enum TakenValues {
     Level,
     /// Whole numbers from the first to the second.
     Whole(i128, i128),
-    /// Nanoseconds of a duration, a time of day or a date, from the first to the second.
+    /// Nanoseconds of a duration, a time of day or a date, from 0 to the first, in steps of the second: what its type counts.
     Nanoseconds(i64, i64),
     /// Numbers that a REAL or LREAL holds (controller:DT-01).
     Real(Elementary),
@@ -46,7 +46,7 @@ impl TakenValues {
         match ty.nanos() {
             Some(nanos) => {
                 let most = i64::try_from(high.saturating_mul(i128::from(nanos)));
-                TakenValues::Nanoseconds(0, most.unwrap_or(i64::MAX))
+                TakenValues::Nanoseconds(most.unwrap_or(i64::MAX), i64::try_from(nanos).unwrap_or(1))
             }
             None => TakenValues::Whole(low, high),
         }
@@ -69,7 +69,10 @@ impl TakenValues {
         match self {
             TakenValues::Level => matches!(value.as_int(), Some(0 | 1)),
             TakenValues::Whole(low, high) => is_within(low, high),
-            TakenValues::Nanoseconds(low, high) => is_within(i128::from(low), i128::from(high)),
+            TakenValues::Nanoseconds(most, step) => {
+                is_within(0, i128::from(most))
+                    && value.as_int().is_some_and(|number| number % i128::from(step.max(1)) == 0)
+            }
             TakenValues::Real(ty) => number.is_some_and(|number| ty.holds_real(number)),
             TakenValues::Number => number.is_some(),
         }
@@ -81,9 +84,9 @@ impl fmt::Display for TakenValues {
         match *self {
             TakenValues::Level => f.write_str("TRUE or FALSE"),
             TakenValues::Whole(low, high) => write!(f, "a whole number from {low} to {high}"),
-            TakenValues::Nanoseconds(low, high) => {
-                let (low, high) = (Span::from_nanos(low), Span::from_nanos(high));
-                write!(f, "a time from {low} to {high}, in nanoseconds")
+            TakenValues::Nanoseconds(most, step) => {
+                let [least, most, step] = [0, most, step].map(Span::from_nanos);
+                write!(f, "a time from {least} to {most} in whole {step}")
             }
             TakenValues::Real(ty) => {
                 let (least, most) = ty.magnitudes();
@@ -121,6 +124,10 @@ mod tests {
         assert!(of("%ML0").takes(Value::Word(u64::MAX)) && of("%ML0").takes(whole(i64::MIN)));
         let ulint = TakenValues::of_type(Elementary::Ulint);
         assert!(ulint.takes(Value::Word(u64::MAX)) && !ulint.takes(whole(-1)));
+        // What a TIME counts are milliseconds.
+        let time = TakenValues::of_type(Elementary::Time);
+        assert!(time.takes(whole(1_000_000)) && !time.takes(whole(1_500_000)), "{time}");
+        assert_eq!(time.to_string(), "a time from 0 s to 4294967.295 s in whole 1 ms");
         let ltime = TakenValues::of_type(Elementary::Ltime);
         assert!(ltime.takes(whole(i64::MAX)) && !ltime.takes(Value::Word(u64::MAX)));
     }

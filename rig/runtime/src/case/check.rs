@@ -186,14 +186,17 @@ impl CaseOnBench<'_> {
     /// A step that writes a value which its variable or place does not take: it would be cut without a word
     /// (controller:DT-01).
     fn beyond_target(&self, step: &PlanStep) -> Option<Diagnostic> {
-        let Stimulus::Write { of, value: Literal::Value(value) } = &step.stimulus else { return None };
+        let Stimulus::Write { of, value: literal } = &step.stimulus else { return None };
+        let value = literal.value()?;
         let taken = match &self.binding(of)?.source {
             SignalSource::Path(path) => self.subject.catalogue()?.taken(path)?,
             SignalSource::Image(address) | SignalSource::Memory(address) => TakenValues::of_place(*address),
             SignalSource::Register { exception: false, .. } => TakenValues::WORD,
             _ => return None,
         };
-        if taken.takes(*value) {
+        // A duration is the nanoseconds that a time holds, and no number.
+        let is_kind = matches!(literal, Literal::Value(_)) || matches!(taken, TakenValues::Nanoseconds(..));
+        if is_kind && taken.takes(value) {
             return None;
         }
         let message = format!("`{of}` cannot have the value that the step `{}` writes", step.id);

@@ -9,7 +9,9 @@ use crate::application::taken_values::TakenValues;
 use crate::codes;
 use crate::schedule::{Act, Expected, FileAction, PlannedStep, Timing};
 use crate::subject::SubjectExt;
-use controller::{Command, DeviceReset, Disturbance, FAULT_BITS, FileUser, InternalError, ModuleFault};
+use controller::{
+    Command, DeviceReset, Disturbance, FAULT_BITS, FileUser, InternalError, ModuleFault, Probe,
+};
 use document::Findings;
 use drivers::{BoardExt, Fault};
 use plans::lang::Literal;
@@ -100,11 +102,27 @@ pub(super) fn plan_step(
                     return None;
                 }
             };
-            let Literal::Value(value) = value else {
+            if !step.refused && !is_written(observable.probe) {
+                let message = format!("`{of}` can only be read");
+                let help = "write a variable of the program, a place such as %MW0, or one of PLC_W";
+                out.error(codes::NOT_WRITABLE, step.span.clone(), message, help);
+                return None;
+            }
+            let written = match value {
+                Literal::Value(value) => Some(*value),
+                // Whether the variable is a time is known where its type is: `beyond_target` of the check.
+                _ => value.value().filter(|_| {
+                    matches!(observable.probe, Probe::Variable(_))
+                        && value.quantity().is_some_and(|quantity| quantity.is_time())
+                }),
+            };
+            let Some(value) = written else {
                 let plain = value.quantity().is_some_and(|quantity| quantity.unit.is_none());
                 let help = match plain {
                     true => "a number that is written has at most 64 bits",
-                    false => "write TRUE, FALSE or a number without a unit; a time as its nanoseconds",
+                    false => {
+                        "write TRUE, FALSE or a number without a unit; a variable of type TIME takes a duration, as in \"500 ms\""
+                    }
                 };
                 let message = match plain {
                     true => format!("{value} does not fit into `{of}`"),
@@ -123,7 +141,7 @@ pub(super) fn plan_step(
                 );
                 return None;
             }
-            vec![(Span::ZERO, Act::Write(observable.probe, *value, expected(step)))]
+            vec![(Span::ZERO, Act::Write(observable.probe, value, expected(step)))]
         }
         Stimulus::Command(command) => {
             let command = match command {
@@ -365,6 +383,15 @@ fn bundle(
         out.error(codes::NOT_DOWNLOADABLE, step.span.clone(), "there is no application to transfer", help);
     }
     bundle.map(<[u8]>::to_vec)
+}
+
+/// Whether a tool can write what a probe looks at, in some state of the controller. A register has its own answer for each write.
+fn is_written(probe: Probe) -> bool {
+    match probe {
+        Probe::Address(_) | Probe::Variable(_) | Probe::Register(_) => true,
+        Probe::System(variable) => variable.is_written(),
+        _ => false,
+    }
 }
 
 const fn expected(step: &PlanStep) -> Expected {
