@@ -30,7 +30,8 @@ pub enum Dimension {
 }
 
 /// Volumes in cubic metres, as what they are a part of.
-const VOLUMES: &[(&str, f64)] = &[("m3", 1.0), ("l", 1e3), ("dl", 1e4), ("cl", 1e5), ("ml", 1e6)];
+const VOLUMES: &[(&str, f64)] =
+    &[("m3", 1.0), ("l", 1e3), ("L", 1e3), ("dl", 1e4), ("cl", 1e5), ("ml", 1e6), ("mL", 1e6)];
 /// Areas in square metres, as what they are a part of.
 const AREAS: &[(&str, f64)] = &[("m2", 1.0), ("dm2", 1e2), ("cm2", 1e4), ("mm2", 1e6)];
 /// Rotations in turns in a second, as what they are a part of.
@@ -77,6 +78,26 @@ impl Dimension {
         }
     }
 
+    /// The unit in which its limits are shown, with a blank before it, and how many of it are one of the unit that is computed with.
+    /// `None` where that unit is another one for each channel and none of it is known.
+    pub(crate) fn base(&self) -> Option<(String, f64)> {
+        let of = |unit: &str, parts: f64| Some((format!(" {unit}"), parts));
+        match self {
+            Dimension::Plain => Some((String::new(), 1.0)),
+            Dimension::Of(unit) if unit.is_empty() => Some((String::new(), 1.0)),
+            Dimension::Of(unit) => of(unit, 1.0),
+            Dimension::Part => of("%", 100.0),
+            Dimension::Time => of("s", 1.0),
+            Dimension::Length => of("m", 1.0),
+            Dimension::Area => of("m2", 1.0),
+            Dimension::Volume => of("m3", 1.0),
+            Dimension::Flow => of("m3/s", 1.0),
+            Dimension::Speed => of("m/s", 1.0),
+            Dimension::Rotation => of("rpm", 60.0),
+            Dimension::Rate(_) => None,
+        }
+    }
+
     /// How much of it a channel has of which one unit is written `unit`; `None` where the unit is of another kind.
     pub fn of_unit(&self, unit: &str) -> Option<f64> {
         let one = Quantity { number: signal::Decimal::from(1_i128), unit: Unit::new(unit) };
@@ -92,9 +113,9 @@ impl Dimension {
             Dimension::Part => "a part such as \"50 %\"".into(),
             Dimension::Time => "a duration such as \"2 s\"".into(),
             Dimension::Length => "a length such as \"2 m\"".into(),
-            Dimension::Area => "an area such as \"0.5 m2\"".into(),
-            Dimension::Volume => "a volume such as \"20 l\"".into(),
-            Dimension::Flow => "a flow such as \"2 l/min\"".into(),
+            Dimension::Area => "an area such as \"0.5 m2\" or \"80 cm2\"".into(),
+            Dimension::Volume => "a volume such as \"20 l\" or \"0.5 m3\"".into(),
+            Dimension::Flow => "a flow such as \"2 l/min\" or \"7.2 m3/h\"".into(),
             Dimension::Speed => "a speed such as \"0.5 m/s\"".into(),
             Dimension::Rotation => "a speed such as \"1500 rpm\"".into(),
             Dimension::Rate(unit) => format!("a rate such as \"2 {unit}/h\""),

@@ -57,6 +57,57 @@ fn near(found: &[(i64, Value)], expected: &[(f64, Value)]) {
     assert!(right, "{found:?} {expected:?}");
 }
 
+/// What is wrong with a board file, and what helps, in a line each.
+fn wrong(text: &str) -> Vec<String> {
+    let found = read(&SourceFile::new("b.toml", format!("format = 1\n{text}")), &terminals).unwrap_err();
+    found.iter().map(|one| format!("{} {}; {}", one.code, one.message, one.help)).collect()
+}
+
+/// A finding says which limits a number has and what is to be written, in the words of the file.
+#[test]
+fn what_is_wrong_with_a_plant_says_what_to_write() {
+    let transmitter = |range: &str, output: &str| {
+        format!(
+            "channels = {{ level = {{ kind = \"analog\", unit = \"m\" }}, s = {{ kind = \"analog\", unit = \"V\" }} }}\n\
+             [[plants]]\nkind = \"transmitter\"\nname = \"t\"\ninput = \"level\"\noutput = \"{output}\"\n\
+             range = \"{range}\"\nsignal = \"0 .. 10 V\"\nsample = \"1 s\"\n"
+        )
+    };
+    let conveyor = |at: &str, speed: &str| {
+        format!(
+            "[[plants]]\nkind = \"conveyor\"\nname = \"c\"\ninput = \"Q0\"\nspeed = \"{speed}\"\nlength = \"3 m\"\n\
+             part-length = \"1 m\"\nfeed = \"Q1\"\neyes = [{{ channel = \"I0\", at = \"{at}\" }}]\n"
+        )
+    };
+    for (text, parts) in [
+        (
+            transmitter("2 .. 0 m", "s"),
+            ["the end of the range lies before its beginning", "the lower one first"],
+        ),
+        (transmitter("2 m", "s"), ["B0007 `range` does not read as a range", "write both ends"]),
+        (transmitter("0 .. 2 m", "M1.IW0"), ["B0304", "as in: \"M1.IW0\" = { kind = \"digital\" }"]),
+        (transmitter("0 .. 2 m", "shown"), ["B0304", "as in: shown = {"]),
+        (conveyor("3.5 m", "1 m/s"), ["B0507 `at` is out of its range: 3.5 m", "write 0 to 3 m"]),
+        (conveyor("1 m", "0 m/s"), ["B0507 `speed` is out of its range", "above 0"]),
+    ] {
+        let found = wrong(&text);
+        assert!(parts.iter().all(|part| found[0].contains(part)), "{parts:?}: {found:?}");
+    }
+}
+
+/// As they are printed on a nameplate.
+#[test]
+fn areas_and_volumes_have_their_usual_symbols() {
+    let bench = |area: &str, flow: &str| {
+        let mut bench = Bench::new(&TANK.replace("0.1 m2", area).replace("6 l/min", flow));
+        bench.write(0.0, "Q0", Value::Bool(true));
+        bench.until(600.0, "half")
+    };
+    for (area, flow) in [("0.1 m2", "6 l/min"), ("0.1 m²", "6 L/min"), ("10 dm²", "0.36 m³/h")] {
+        near(&bench(area, flow), &[(500.0, Value::Bool(true))]);
+    }
+}
+
 const TANK: &str = r#"
 channels = { level = { kind = "analog", unit = "m" }, full = { kind = "digital" }, half = { kind = "digital" } }
 [[plants]]

@@ -232,9 +232,7 @@ impl<'t> Bench<'t> {
             let names = self.file.circuit.channels.iter().map(|channel| channel.name.as_str());
             let help = match suggest(text, names) {
                 Some(meant) => format!("did you mean `{meant}`?"),
-                None => String::from(
-                    "describe it under `channels`, as in: temp = { kind = \"analog\", unit = \"degC\" }",
-                ),
+                None => how_to_describe(text),
             };
             out.bad(codes::UNKNOWN_CHANNEL, node, format!("the board has no channel `{text}`"), help);
         }
@@ -263,6 +261,15 @@ fn ranges(list: &[Address]) -> String {
     };
     let ranges: Vec<String> = list.chunk_by(follows).map(range).collect();
     if ranges.is_empty() { String::from("none") } else { ranges.join(", ") }
+}
+
+/// What to write under `channels` for a channel of this name.
+fn how_to_describe(name: &str) -> String {
+    let is_bare = |letter: char| letter.is_ascii_alphanumeric() || matches!(letter, '_' | '-');
+    let key = if name.chars().all(is_bare) { name.to_owned() } else { format!("\"{name}\"") };
+    format!(
+        "describe it under `channels`, as in: {key} = {{ kind = \"digital\" }}, or {{ kind = \"analog\", unit = \"V\" }} with its unit"
+    )
 }
 
 /// What to write for a terminal of a module, whose address follows from a plan.

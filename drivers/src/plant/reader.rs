@@ -140,12 +140,14 @@ impl<'a, 'n> PlantReader<'a, 'n> {
             return None;
         };
         if !(least..=most).contains(&number) {
-            let message = format!("`{key}` is out of its range");
-            let help = match dimension {
-                Dimension::Of(unit) if most < f64::MAX => format!("write {least} to {most} {unit}"),
-                Dimension::Plain => format!("write {least} to {most}"),
-                Dimension::Part => format!("write {} to {} %", least * 100.0, most * 100.0),
-                _ => format!("write {}", dimension.example()),
+            let message = format!("`{key}` is out of its range: {read}");
+            let help = match dimension.base() {
+                None => format!("write {}", dimension.example()),
+                Some((unit, _)) if most == f64::MAX => format!("write a number above 0{unit}"),
+                Some((unit, parts)) if least == f64::MIN_POSITIVE => {
+                    format!("write a number above 0 up to {}{unit}", most * parts)
+                }
+                Some((unit, parts)) => format!("write {} to {}{unit}", least * parts, most * parts),
             };
             self.error(key, codes::PLANT_RANGE, message, &help);
             return None;
@@ -198,10 +200,15 @@ impl<'a, 'n> PlantReader<'a, 'n> {
             Data::Text(text) => text,
             _ => "",
         };
-        let ends = QuantityRange::parse(text).ok().and_then(|range| range.min.zip(range.max));
+        let read = QuantityRange::parse(text);
+        let ends = read.as_ref().ok().and_then(|range| range.min.clone().zip(range.max.clone()));
         let Some((min, max)) = ends.filter(|(min, max)| min != max) else {
-            let message = format!("`{key}` does not read as a range from one number to another");
-            self.error(key, codes::UNREADABLE, message, "write both ends, as in \"4 .. 20 mA\"");
+            let message = match read {
+                Err(why) => format!("`{key}` does not read as a range: {why}"),
+                Ok(_) => format!("`{key}` does not read as a range from one number to another"),
+            };
+            let help = "write both ends, the lower one first, as in \"4 .. 20 mA\"";
+            self.error(key, codes::UNREADABLE, message, help);
             return None;
         };
         let number = |end: &Quantity| match end.unit.is_none() {

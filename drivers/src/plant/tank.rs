@@ -120,6 +120,15 @@ fn read(reader: &mut PlantReader<'_, '_>) -> Option<Arc<dyn PlantSpec>> {
     let inflows = flows(reader, "inflows", 1.0);
     let outflows = flows(reader, "outflows", -1.0);
     let switches = switches::read(reader, &unit);
+    if let Some(beyond) = switches.iter().flatten().find(|switch| switch.on_above > full) {
+        let message = format!(
+            "a switch goes on above {} {unit}, and the tank is full at {full} {unit}",
+            beyond.on_above
+        );
+        let help = format!("write a level of up to {full} {unit}; a number without a unit is in {unit}");
+        reader.error("switches", codes::PLANT_RANGE, message, &help);
+        return None;
+    }
     let overflow = match reader.has("overflow") {
         true => Some(reader.level("overflow")?),
         false => None,

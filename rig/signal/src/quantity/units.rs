@@ -54,6 +54,8 @@ impl Unit {
                 'µ' | 'μ' => symbol.push('u'),
                 '°' => symbol.push_str("deg"),
                 'Ω' | '\u{2126}' => symbol.push_str("Ohm"),
+                '²' => symbol.push('2'),
+                '³' => symbol.push('3'),
                 other => symbol.push(other),
             }
         }
