@@ -95,6 +95,20 @@ fn what_is_wrong_with_a_plant_says_what_to_write() {
     }
 }
 
+/// An input far beyond `full`, as of a channel in mV whose `full` was meant in V.
+#[test]
+fn an_encoder_has_no_more_edges_than_it_can_count() {
+    let mut bench = Bench::new(
+        "channels = { u = { kind = \"analog\", unit = \"V\" } }\n\
+         [[plants]]\nkind = \"motor\"\nname = \"m\"\ninput = \"u\"\nspeed = \"3000 rpm\"\nfull = \"10 V\"\n\
+         tau = \"1 us\"\na = \"I0\"\nb = \"I1\"\nlines = 1000\n",
+    );
+    bench.write(0.001, "u", Value::Real(1e9));
+    let edges = bench.until(0.002, "I0").len();
+    // A thousand microseconds with two edges each, half of them of A.
+    assert!((900..=1001).contains(&edges), "{edges}");
+}
+
 /// As they are printed on a nameplate.
 #[test]
 fn areas_and_volumes_have_their_usual_symbols() {

@@ -47,9 +47,7 @@ pub(super) fn read(reader: &mut PlantReader<'_, '_>, dimension: &Dimension, most
             reader.error_of_key("full", codes::PLANT_UNIT, message, "remove it");
             return None;
         }
-        (Some(unit), true) => {
-            Some(reader.measure("full", &Dimension::Of(unit), f64::MIN_POSITIVE, f64::MAX)?)
-        }
+        (Some(unit), true) => Some(reader.measure("full", &Dimension::Of(unit), 1e-9, 1e9)?),
         (Some(unit), false) => {
             let message = String::from("an analog input needs `full`");
             let help = format!("add `full`: where it commands `speed`, as in full = \"10 {unit}\"");

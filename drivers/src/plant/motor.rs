@@ -177,11 +177,17 @@ struct Motor {
 const MARGIN: f64 = 1e-9;
 
 impl Motor {
+    /// The speed that is commanded: with an encoder at most what it can count, whatever an analog input says.
+    fn command(&self) -> f64 {
+        let most = if self.encoder.is_some() { MAX_EDGES / self.counts as f64 } else { f64::MAX };
+        self.drive.command().clamp(-most, most)
+    }
+
     /// The shaft goes on from this speed and angle.
     fn plan(&mut self, now: Time, speed: f64, angle: f64) {
         self.speed = match self.drive.blocked {
             true => Course::constant(now, 0.0),
-            false => Course::lag(now, speed, self.drive.command(), self.tau),
+            false => Course::lag(now, speed, self.command(), self.tau),
         };
         let counts = self.speed.mapped(0.0, self.counts as f64);
         self.angle = counts.integral(now, angle).unwrap_or_else(|| Course::constant(now, angle));
