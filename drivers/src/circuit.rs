@@ -127,10 +127,26 @@ pub struct WireSpec {
     pub to: ChannelId,
     /// Transport delay, 0 or more: every change arrives that much later, however short the pulse.
     pub delay: Span,
+    /// The delay, 0 or more, of changes of its end to anything but 1, where that is another one; `delay` is that of changes
+    /// to 1 then. A change that arrives before an earlier one takes its place: a pulse that is too short for the difference does
+    /// not come through. Digital only.
+    pub off_delay: Option<Span>,
     /// Whether it drives the opposite level. Digital only.
     pub invert: bool,
     /// Contact bounce, of digital wires only. A new change ends a bounce that still goes on.
     pub bounce: Option<Bounce>,
+}
+
+impl WireSpec {
+    /// How much later its end changes to a value.
+    pub(crate) fn delay_to(&self, value: Value) -> Span {
+        self.off_delay.filter(|_| value != Value::Bool(true)).unwrap_or(self.delay)
+    }
+
+    /// Whether a change may arrive at once.
+    pub(crate) fn may_be_immediate(&self) -> bool {
+        self.delay == Span::ZERO || self.off_delay == Some(Span::ZERO)
+    }
 }
 
 /// A simulated board as data.
@@ -208,7 +224,7 @@ pub enum CircuitFault {
     #[error("a wire joins channels of different kinds, or a count")]
     KindsDiffer,
     /// A wire between analog channels with inversion or bounce.
-    #[error("an analog wire can neither invert nor bounce")]
+    #[error("an analog wire has one delay, and can neither invert nor bounce")]
     NotForAnalog,
     /// An analog channel that more than one wire or plant drives.
     #[error("an analog channel is driven from two sides")]
@@ -328,10 +344,10 @@ impl Circuit {
         if from != to || self.counts(wire.from)? || self.counts(wire.to)? {
             return Err(CircuitFault::KindsDiffer);
         }
-        if !from && (wire.invert || wire.bounce.is_some()) {
+        if !from && (wire.invert || wire.bounce.is_some() || wire.off_delay.is_some()) {
             return Err(CircuitFault::NotForAnalog);
         }
-        if wire.delay.is_negative() {
+        if wire.delay.is_negative() || wire.off_delay.is_some_and(Span::is_negative) {
             return Err(CircuitFault::BadTime);
         }
         if let Some(bounce) = wire.bounce {

@@ -126,7 +126,7 @@ document::codes! {
     MODULE_UNIT = "B0312", "A channel does not have the unit of its terminal";
     FITTED = "B0314", "A module that cannot be fitted";
     KINDS_DIFFER = "B0401", "A wire joins channels of different kinds";
-    NOT_FOR_ANALOG = "B0402", "An analog wire can neither invert nor bounce";
+    NOT_FOR_ANALOG = "B0402", "An analog wire has one delay, and can neither invert nor bounce";
     BOUNCE = "B0403", "A bounce is impossible";
     RING = "B0404", "Wires or plants without delay form a ring";
     TWO_SOURCES = "B0405", "An analog channel is driven from two sides";

@@ -97,6 +97,21 @@ fn the_bench_reads() {
 }
 
 #[test]
+fn a_delay_of_on_or_off_stands_for_its_own_direction() {
+    let delays = |keys: &str| {
+        let text = format!("format = 1\n[channels]\n[[wires]]\nfrom = \"Q0\"\nto = \"I0\"\n{keys}\n");
+        let file = read(&SourceFile::new("b.toml", text), &levels).unwrap();
+        let wire = file.circuit.wires[0];
+        (wire.delay.as_nanos() / 1_000_000, wire.off_delay.map(|delay| delay.as_nanos() / 1_000_000))
+    };
+    assert_eq!(delays("delay = \"3 ms\""), (3, None));
+    assert_eq!(delays("delay = \"3 ms\"\non-delay = \"5 ms\""), (5, Some(3)));
+    assert_eq!(delays("delay = \"3 ms\"\noff-delay = \"5 ms\""), (3, Some(5)));
+    assert_eq!(delays("off-delay = \"5 ms\""), (0, Some(5)));
+    assert_eq!(delays("on-delay = \"5 ms\"\noff-delay = \"1 ms\""), (5, Some(1)));
+}
+
+#[test]
 fn numbers_are_converted_to_the_unit_of_their_channel() {
     let plant = |unit: &str, numbers: &str| {
         let text = format!(

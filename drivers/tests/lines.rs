@@ -120,6 +120,80 @@ fn a_start_begins_anew_and_bounces_follow_the_seed() {
     assert_ne!(first, run(&mut SimulatedBoard::new(&circuit, 2).unwrap()));
 }
 
+/// A relay that picks up after 10 and drops after 3.
+#[test]
+fn delays_of_on_and_off_differ() {
+    let mut circuit = digital(1, 1);
+    circuit.wires.push(WireSpec { off_delay: Some(ns(3)), ..wire(0, 1, 10) });
+    let mut board = started(&circuit, 0);
+    board.write(at(0), &[(id(0), OFF)]).unwrap();
+    poll(&mut board, 50);
+    let mut end = |writes: &[(i64, Value)], until: i64| {
+        for (time, value) in writes {
+            board.write(at(*time), &[(id(0), *value)]).unwrap();
+        }
+        changes(&poll(&mut board, until), 1)
+    };
+    assert_eq!(end(&[(100, ON), (150, OFF)], 200), [(110, ON), (153, OFF)]);
+    // A pulse of 7 arrives as nothing: its end comes with its beginning or before.
+    assert!(end(&[(200, ON), (207, OFF)], 250).is_empty());
+    assert_eq!(end(&[(250, ON), (258, OFF)], 300), [(260, ON), (261, OFF)]);
+    // A gap arrives however short it is, and is longer then: the contact picks up later than it drops.
+    assert_eq!(end(&[(300, ON), (350, OFF), (351, ON)], 400), [(310, ON), (353, OFF), (361, ON)]);
+    let mut inverting = circuit.clone();
+    inverting.wires[0].invert = true;
+    let mut board = started(&inverting, 0);
+    board.write(at(0), &[(id(0), OFF)]).unwrap();
+    poll(&mut board, 50);
+    board.write(at(100), &[(id(0), ON)]).unwrap();
+    board.write(at(150), &[(id(0), OFF)]).unwrap();
+    assert_eq!(changes(&poll(&mut board, 200), 1), [(103, OFF), (160, ON)]);
+}
+
+#[test]
+fn a_contact_that_a_short_pulse_does_not_move_does_not_bounce() {
+    let mut circuit = digital(1, 1);
+    let bounce = Some(Bounce { edges: 2, over: ns(4), spacing: Spacing::Even });
+    circuit.wires.push(WireSpec { off_delay: Some(ns(3)), bounce, ..wire(0, 1, 20) });
+    let mut board = started(&circuit, 0);
+    board.write(at(0), &[(id(0), OFF)]).unwrap();
+    poll(&mut board, 50);
+    board.write(at(100), &[(id(0), ON)]).unwrap();
+    board.write(at(105), &[(id(0), OFF)]).unwrap();
+    assert!(changes(&poll(&mut board, 150), 1).is_empty());
+    // The bounce of the change before it goes on.
+    board.write(at(200), &[(id(0), ON)]).unwrap();
+    board.write(at(300), &[(id(0), OFF)]).unwrap();
+    board.write(at(301), &[(id(0), ON)]).unwrap();
+    board.write(at(302), &[(id(0), OFF)]).unwrap();
+    let on = [(220, ON), (222, OFF), (224, ON)];
+    assert_eq!(changes(&poll(&mut board, 400), 1), [&on[..], &[(303, OFF), (305, ON), (307, OFF)]].concat());
+}
+
+/// A contact that drops at once: a pulse that is too short leaves it, and a gap of any length arrives.
+#[test]
+fn one_of_two_delays_may_be_none() {
+    let mut circuit = digital(1, 1);
+    circuit.wires.push(WireSpec { off_delay: Some(ns(0)), ..wire(0, 1, 10) });
+    let mut board = started(&circuit, 0);
+    board.write(at(0), &[(id(0), OFF)]).unwrap();
+    poll(&mut board, 50);
+    for (time, value) in [(100, ON), (105, OFF), (105, ON), (120, OFF), (121, ON)] {
+        board.write(at(time), &[(id(0), value)]).unwrap();
+    }
+    assert_eq!(changes(&poll(&mut board, 200), 1), [(115, ON), (120, OFF), (131, ON)]);
+}
+
+#[test]
+fn a_wire_with_two_delays_is_checked() {
+    let mut circuit = digital(1, 1);
+    circuit.wires.push(WireSpec { off_delay: Some(ns(-1)), ..wire(0, 1, 10) });
+    assert_eq!(circuit.check()[0].fault, CircuitFault::BadTime);
+    circuit.wires[0].off_delay = Some(ns(0));
+    circuit.wires.push(wire(1, 0, 0));
+    assert_eq!(circuit.check()[0].fault, CircuitFault::Loop);
+}
+
 #[test]
 fn rings_without_delay_are_refused_and_named() {
     let mut circuit = digital(0, 4);

@@ -1,7 +1,5 @@
 //! In which order the lines of a circuit follow each other.
 
-use signal::Span;
-
 use super::Circuit;
 use super::{CircuitPart, TallySpec};
 use crate::ChannelKind;
@@ -11,8 +9,7 @@ impl Circuit {
     /// Ranks of the channels: a wire without delay, and a plant that passes on changes at once, goes from a lower rank to a
     /// higher one. The error is a wire or plant of a ring. Channels of all wires and plants must exist.
     pub(crate) fn order(&self) -> Result<Vec<u16>, CircuitPart> {
-        let wires =
-            self.wires.iter().filter(|wire| wire.delay == Span::ZERO).map(|wire| (wire.from, wire.to));
+        let wires = self.wires.iter().filter(|wire| wire.may_be_immediate()).map(|wire| (wire.from, wire.to));
         let signals = |tally: &TallySpec| {
             let to = tally.channel;
             tally.signals().map(move |from| (from, to))
@@ -60,7 +57,7 @@ impl Circuit {
         for _ in 0..=self.channels.len() {
             let unranked = |channel: ChannelId| ranks[usize::from(channel.0)] == u16::MAX;
             let wire = self.wires.iter().position(|wire| {
-                wire.delay == Span::ZERO && usize::from(wire.to.0) == at && unranked(wire.from)
+                wire.may_be_immediate() && usize::from(wire.to.0) == at && unranked(wire.from)
             });
             let plant = through.iter().find(|(_, from, to)| usize::from(to.0) == at && unranked(*from));
             let back = wire

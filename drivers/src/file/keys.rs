@@ -400,6 +400,16 @@ pub(super) const WIRE: &[KeySpec] = &[
     KeySpec::required("from", NAME, "The channel that it listens to"),
     KeySpec::required("to", NAME, "The channel that it drives"),
     KeySpec::optional("delay", KeyType::Duration, "How much later each change arrives"),
+    KeySpec::optional(
+        "on-delay",
+        KeyType::Duration,
+        "How much later it changes to 1; as `delay` if left out",
+    ),
+    KeySpec::optional(
+        "off-delay",
+        KeyType::Duration,
+        "How much later it changes to 0; as `delay` if left out",
+    ),
     KeySpec::optional("invert", KeyType::Bool, "Whether it drives the opposite level"),
     KeySpec::optional("bounce", KeyType::Table(BOUNCE), "Further edges after each change"),
 ];

@@ -28,8 +28,11 @@ pub(super) fn wires<'n>(nodes: &'n [Node], bench: &mut Bench, out: &mut Findings
         });
         let (Some(from), Some(to)) = (from, to) else { continue };
         let delay = fields.duration("delay").unwrap_or(Span::ZERO);
+        let (on, off) = (fields.duration("on-delay"), fields.duration("off-delay"));
+        let off_delay = (on.is_some() || off.is_some()).then(|| off.unwrap_or(delay));
+        let delay = on.unwrap_or(delay);
         let invert = fields.boolean("invert").unwrap_or(false);
-        bench.file.circuit.wires.push(WireSpec { from, to, delay, invert, bounce });
+        bench.file.circuit.wires.push(WireSpec { from, to, delay, off_delay, invert, bounce });
         places.push(node);
     }
     places
@@ -127,7 +130,7 @@ fn place(node: &Node, fault: CircuitFault) -> Range<usize> {
         CircuitFault::KindsDiffer => &["to"],
         CircuitFault::TwoSources(_) | CircuitFault::NotAnalog(_) => &["to", "output"],
         CircuitFault::Loop => &["to"],
-        CircuitFault::NotForAnalog => &["invert", "bounce"],
+        CircuitFault::NotForAnalog => &["invert", "bounce", "on-delay", "off-delay"],
         CircuitFault::BounceEdges | CircuitFault::BounceTime => &["bounce"],
         CircuitFault::NotDigital(_) => &["channel"],
         CircuitFault::NoHysteresis => &["off-below"],

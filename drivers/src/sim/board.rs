@@ -405,7 +405,7 @@ impl SimulatedBoard {
                     let wire = &mut self.wires[self.links[place].wires_out[link]];
                     moved |= wire.out != wire.carry(raw);
                     // A delayed wire follows after the round, so that a ring through it can be seen.
-                    if wire.spec.delay == Span::ZERO {
+                    if wire.spec.may_be_immediate() {
                         wire.settle(raw);
                     }
                 }
@@ -413,7 +413,7 @@ impl SimulatedBoard {
             if !moved {
                 break;
             }
-            for wire in self.wires.iter_mut().filter(|wire| wire.spec.delay > Span::ZERO) {
+            for wire in self.wires.iter_mut().filter(|wire| !wire.spec.may_be_immediate()) {
                 wire.settle(self.lines[usize::from(wire.spec.from.0)].level);
             }
         }

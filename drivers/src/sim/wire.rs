@@ -7,6 +7,15 @@ use signal::{Span, Time, Value};
 use crate::circuit::{Spacing, WireSpec};
 use signal::Random;
 
+/// A change of a wire's end to come.
+#[derive(Clone, Copy, Debug)]
+struct Change {
+    due: Time,
+    value: Value,
+    /// Whether it is the change itself and no further edge of its bounce.
+    is_first: bool,
+}
+
 /// A wire with what is on its way through it.
 #[derive(Debug)]
 pub(super) struct Wire {
@@ -14,7 +23,7 @@ pub(super) struct Wire {
     /// What its end drives now.
     pub(super) out: Value,
     /// Changes of its end to come, by their instants.
-    pending: VecDeque<(Time, Value)>,
+    pending: VecDeque<Change>,
     /// What its end will drive when all has arrived.
     settles_at: Value,
     random: Random,
@@ -66,23 +75,43 @@ impl Wire {
         if value == self.settles_at {
             return false;
         }
-        let before = std::mem::replace(&mut self.settles_at, value);
-        let at = now.saturating_add(self.spec.delay);
+        let delay = self.spec.delay_to(value);
+        let at = now.saturating_add(delay);
+        self.settles_at = value;
+        self.drop_overtaken(at);
+        let before = self.pending.back().map_or(self.out, |last| last.value);
+        // A pulse that was too short for its beginning to arrive: the contact never moved.
+        if before == value {
+            return false;
+        }
         // The contact moves again: what is left of its last bounce does not come any more.
         if self.spec.bounce.is_some() {
-            while self.pending.back().is_some_and(|(due, _)| *due >= at) {
+            while self.pending.back().is_some_and(|last| last.due >= at) {
                 self.pending.pop_back();
             }
         }
-        let at_once = self.spec.delay == Span::ZERO;
+        let at_once = delay == Span::ZERO;
         let changed = at_once && self.out != value;
         if at_once {
             self.out = value;
         } else {
-            self.pending.push_back((at, value));
+            self.pending.push_back(Change { due: at, value, is_first: true });
         }
         self.bounce(at, before, value);
         changed
+    }
+
+    /// Takes off changes, with their bounces, that would arrive at `at` or later: one after them arrives then.
+    fn drop_overtaken(&mut self, at: Time) {
+        if self.spec.off_delay.is_none() {
+            return;
+        }
+        while let Some(place) = self.pending.iter().rposition(|change| change.is_first) {
+            if self.pending[place].due < at {
+                break;
+            }
+            self.pending.truncate(place);
+        }
     }
 
     fn bounce(&mut self, at: Time, before: Value, value: Value) {
@@ -108,13 +137,14 @@ impl Wire {
         }
         for (edge, place) in self.places.iter().enumerate() {
             let level = if edge % 2 == 0 { before } else { value };
-            self.pending.push_back((at.saturating_add(Span::from_nanos(*place)), level));
+            let due = at.saturating_add(Span::from_nanos(*place));
+            self.pending.push_back(Change { due, value: level, is_first: false });
         }
     }
 
     /// When the end will next change.
     pub(super) fn next(&self) -> Option<Time> {
-        self.pending.front().map(|(due, _)| *due)
+        self.pending.front().map(|change| change.due)
     }
 
     /// How many changes are on their way.
@@ -125,11 +155,11 @@ impl Wire {
     /// Lets arrive what is due at `now`. Returns whether the end changed.
     pub(super) fn arrive(&mut self, now: Time) -> bool {
         let before = self.out;
-        while let Some((due, value)) = self.pending.front().copied() {
-            if due > now {
+        while let Some(change) = self.pending.front().copied() {
+            if change.due > now {
                 break;
             }
-            self.out = value;
+            self.out = change.value;
             self.pending.pop_front();
         }
         before != self.out

@@ -20,7 +20,7 @@ pub fn id(n: u16) -> ChannelId {
 }
 
 pub fn wire(from: u16, to: u16, delay: i64) -> WireSpec {
-    WireSpec { from: id(from), to: id(to), delay: ns(delay), invert: false, bounce: None }
+    WireSpec { from: id(from), to: id(to), delay: ns(delay), off_delay: None, invert: false, bounce: None }
 }
 
 /// Digital channels without pull (outputs) and with pull-down (inputs), in this order.
