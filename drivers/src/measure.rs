@@ -78,30 +78,36 @@ impl Dimension {
         }
     }
 
-    /// The unit in which its limits are shown, with a blank before it, and how many of it are one of the unit that is computed with.
-    /// `None` where that unit is another one for each channel and none of it is known.
-    pub(crate) fn base(&self) -> Option<(String, f64)> {
-        let of = |unit: &str, parts: f64| Some((format!(" {unit}"), parts));
-        match self {
-            Dimension::Plain => Some((String::new(), 1.0)),
-            Dimension::Of(unit) if unit.is_empty() => Some((String::new(), 1.0)),
-            Dimension::Of(unit) => of(unit, 1.0),
-            Dimension::Part => of("%", 100.0),
-            Dimension::Time => of("s", 1.0),
-            Dimension::Length => of("m", 1.0),
-            Dimension::Area => of("m2", 1.0),
-            Dimension::Volume => of("m3", 1.0),
-            Dimension::Flow => of("m3/s", 1.0),
-            Dimension::Speed => of("m/s", 1.0),
-            Dimension::Rotation => of("rpm", 60.0),
-            Dimension::Rate(_) => None,
-        }
-    }
-
     /// How much of it a channel has of which one unit is written `unit`; `None` where the unit is of another kind.
     pub fn of_unit(&self, unit: &str) -> Option<f64> {
         let one = Quantity { number: signal::Decimal::from(1_i128), unit: Unit::new(unit) };
         self.number(&one)
+    }
+
+    /// What to write where a number has to lie within these limits, as in `0 to 300 rpm`. [`f64::MIN_POSITIVE`] and [`f64::MAX`]
+    /// stand for anything above 0 and for no limit.
+    pub fn limits(&self, least: f64, most: f64) -> String {
+        let (unit, parts) = match self {
+            Dimension::Plain => (String::new(), 1.0),
+            Dimension::Of(unit) => (unit.clone(), 1.0),
+            Dimension::Part => ("%".into(), 100.0),
+            Dimension::Time => ("s".into(), 1.0),
+            Dimension::Length => ("m".into(), 1.0),
+            Dimension::Area => ("m2".into(), 1.0),
+            Dimension::Volume => ("m3".into(), 1.0),
+            Dimension::Flow => ("m3/s".into(), 1.0),
+            Dimension::Speed => ("m/s".into(), 1.0),
+            Dimension::Rotation => ("rpm".into(), 60.0),
+            Dimension::Rate(unit) => (format!("{unit}/s"), 1.0),
+        };
+        let (low, high) = (least * parts, most * parts);
+        let numbers = match (least == f64::MIN_POSITIVE, most == f64::MAX) {
+            (true, true) => "more than 0".into(),
+            (true, false) => format!("more than 0 and at most {high}"),
+            (false, true) => format!("at least {low}"),
+            (false, false) => format!("{low} to {high}"),
+        };
+        format!("{numbers} {unit}").trim_end().to_owned()
     }
 
     /// What to write, as in `"2 l/min"`.
@@ -132,6 +138,16 @@ fn seconds(unit: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn limits_are_named_in_the_unit_of_what_is_measured() {
+        assert_eq!(Dimension::Rotation.limits(0.0, 5.0), "0 to 300 rpm");
+        assert_eq!(Dimension::Rotation.limits(f64::MIN_POSITIVE, 5.0), "more than 0 and at most 300 rpm");
+        assert_eq!(Dimension::Of("V".into()).limits(f64::MIN_POSITIVE, f64::MAX), "more than 0 V");
+        assert_eq!(Dimension::Part.limits(0.0, 0.5), "0 to 50 %");
+        assert_eq!(Dimension::Plain.limits(0.01, 1e3), "0.01 to 1000");
+        assert_eq!(Dimension::Rate("m".into()).limits(-1.0, f64::MAX), "at least -1 m/s");
+    }
 
     #[test]
     fn quantities_are_read_by_what_they_measure() {

@@ -88,7 +88,7 @@ fn what_is_wrong_with_a_plant_says_what_to_write() {
         (transmitter("0 .. 2 m", "M1.IW0"), ["B0304", "as in: \"M1.IW0\" = { kind = \"digital\" }"]),
         (transmitter("0 .. 2 m", "shown"), ["B0304", "as in: shown = {"]),
         (conveyor("3.5 m", "1 m/s"), ["B0507 `at` is out of its range: 3.5 m", "write 0 to 3 m"]),
-        (conveyor("1 m", "0 m/s"), ["B0507 `speed` is out of its range", "above 0"]),
+        (conveyor("1 m", "0 m/s"), ["B0507 `speed` is out of its range", "more than 0"]),
     ] {
         let found = wrong(&text);
         assert!(parts.iter().all(|part| found[0].contains(part)), "{parts:?}: {found:?}");

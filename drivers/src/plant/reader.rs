@@ -141,14 +141,7 @@ impl<'a, 'n> PlantReader<'a, 'n> {
         };
         if !(least..=most).contains(&number) {
             let message = format!("`{key}` is out of its range: {read}");
-            let help = match dimension.base() {
-                None => format!("write {}", dimension.example()),
-                Some((unit, _)) if most == f64::MAX => format!("write a number above 0{unit}"),
-                Some((unit, parts)) if least == f64::MIN_POSITIVE => {
-                    format!("write a number above 0 up to {}{unit}", most * parts)
-                }
-                Some((unit, parts)) => format!("write {} to {}{unit}", least * parts, most * parts),
-            };
+            let help = format!("write {}", dimension.limits(least, most));
             self.error(key, codes::PLANT_RANGE, message, &help);
             return None;
         }
