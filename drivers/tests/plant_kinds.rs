@@ -409,6 +409,90 @@ fn a_started_board_is_as_at_the_start() {
     near(&bench.until(900.0, "half"), &[(0.0, OFF), (501.0, ON)]);
 }
 
+/// A response to 100 with a time constant of 1 s, of which parameters are set on its way.
+fn response(kind: &str) -> Bench {
+    let damping = if kind == "lag" { "" } else { "damping = 1" };
+    Bench::new(&format!(
+        r#"
+channels = {{ y = {{ kind = "analog", unit = "degC" }}, warm = {{ kind = "digital" }} }}
+[[plants]]
+kind = "{kind}"
+name = "p"
+input = "Q0"
+output = "y"
+low = 0
+high = 100
+tau = "1 s"
+{damping}
+sample = "10 ms"
+switches = [{{ channel = "warm", on-above = 80, off-below = 10 }}]
+"#
+    ))
+}
+
+#[test]
+fn a_lag_goes_on_from_where_it_is_with_another_time_constant_and_target() {
+    let mut bench = response("lag");
+    bench.write(0.0, "Q0", ON);
+    bench.set(1.0, "tau", 2.0);
+    let at_1 = 100.0 * (1.0 - f64::exp(-1.0));
+    let at_2 = 100.0 + (at_1 - 100.0) * f64::exp(-0.5);
+    // The comparator flips by the new law: y is 80 at 1 + 2 ln((100 - y(1)) / 20).
+    let warm = 1.0 + 2.0 * f64::ln((100.0 - at_1) / 20.0);
+    let y = |bench: &mut Bench, seconds| bench.until(seconds, "y").last().unwrap().1.as_real().unwrap();
+    assert!((y(&mut bench, 2.0) - at_2).abs() < 1e-9);
+    bench.set(2.0, "high", 200.0);
+    bench.set(2.0, "high", 100.0);
+    near(&bench.until(3.0, "warm"), &[(warm, ON)]);
+    bench.set(3.0, "high", 50.0);
+    assert!((y(&mut bench, 200.0) - 50.0).abs() < 1e-9);
+    bench.set(200.0, "low", 40.0);
+    bench.write(300.0, "Q0", OFF);
+    assert!((y(&mut bench, 500.0) - 40.0).abs() < 1e-9);
+    bench.board.start(at(0)).unwrap();
+    bench.write(0.0, "Q0", ON);
+    assert!((y(&mut bench, 1.0) - at_1).abs() < 1e-9);
+}
+
+#[test]
+fn a_response_of_second_order_goes_on_as_fast_as_it_moves() {
+    let mut bench = response("second-order");
+    bench.write(0.0, "Q0", ON);
+    // 100 (1 - (1 + t) exp(-t)), with a slope of 100 t exp(-t).
+    let (at_1, slope) = (100.0 * (1.0 - 2.0 * f64::exp(-1.0)), 100.0 * f64::exp(-1.0));
+    bench.set(1.0, "tau", 0.5);
+    let left = (at_1 - 100.0) + (slope + 2.0 * (at_1 - 100.0)) * 0.5;
+    let found = bench.until(1.5, "y").last().unwrap().1.as_real().unwrap();
+    assert!((found - (100.0 + left * f64::exp(-1.0))).abs() < 1e-9, "{found}");
+    bench.set(2.0, "high", 10.0);
+    let found = bench.until(100.0, "y").last().unwrap().1.as_real().unwrap();
+    assert!((found - 10.0).abs() < 1e-9, "{found}");
+    bench.board.start(at(0)).unwrap();
+    bench.write(0.0, "Q0", ON);
+    let found = bench.until(1.0, "y").last().unwrap().1.as_real().unwrap();
+    assert!((found - at_1).abs() < 1e-9, "{found}");
+}
+
+#[test]
+fn a_parameter_set_to_what_it_is_changes_nothing() {
+    for (text, input) in [(TANK, "Q0"), (NET, "Q0")] {
+        let mut plain = Bench::new(text);
+        let mut set = Bench::new(text);
+        for bench in [&mut plain, &mut set] {
+            bench.write(1.0, input, ON);
+        }
+        for (place, spec) in set.file.circuit.plants.iter().enumerate() {
+            for (at_place, parameter) in spec.parameters().iter().enumerate() {
+                set.board.set_parameter(at(7 * S + 3), place, at_place, parameter.initial).unwrap();
+            }
+        }
+        let rounded = |events: Vec<scanrig_drivers::BoardEvent>| -> Vec<String> {
+            events.iter().map(|event| format!("{event:.9?}")).collect()
+        };
+        assert_eq!(rounded(poll(&mut *plain.board, 60 * S)), rounded(poll(&mut *set.board, 60 * S)));
+    }
+}
+
 #[test]
 fn a_damped_response_overshoots_and_a_heater_does_not() {
     let text = |kind: &str, more: &str| {

@@ -25,6 +25,7 @@ fn oven_with(change: impl FnOnce(&mut LagSpec)) -> Circuit {
         name: "oven".into(),
         input: id(0),
         output: id(1),
+        unit: "degC".into(),
         target: LagTarget::Levels { low: 20.0, high: 100.0 },
         initial: 20.0,
         tau: Span::from_secs(2),

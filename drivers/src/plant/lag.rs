@@ -7,9 +7,10 @@ use signal::{Random, Span, Time, Value};
 
 use super::{PlantKind, PlantReader, SwitchSpec, reader, switches};
 use crate::channel::ChannelId;
-use crate::circuit::{CircuitFault, Plant, PlantInput, PlantPort, PlantSpec};
+use crate::circuit::{CircuitFault, ParameterKind, Plant, PlantInput, PlantParameter, PlantPort, PlantSpec};
 use crate::codes;
 use crate::course::{Course, span_seconds};
+use crate::measure::Dimension;
 
 pub(super) const LOW: KeySpec =
     KeySpec::optional("low", KeyType::Quantity, "Where it goes while a digital input is 0");
@@ -88,6 +89,28 @@ impl LagTarget {
         }
     }
 
+    /// What a plan can set of it, in the order that [`LagTarget::set`] counts.
+    pub(super) fn parameters(&self, unit: &str) -> [PlantParameter; 2] {
+        let number = |name: &str, dimension, initial| {
+            let takes = ParameterKind::Measure { dimension, least: -1e9, most: 1e9 };
+            PlantParameter { name: String::from(name), takes, initial }
+        };
+        let own = || Dimension::Of(unit.to_owned());
+        match *self {
+            LagTarget::Levels { low, high } => [number("low", own(), low), number("high", own(), high)],
+            LagTarget::Linear { offset, gain } => {
+                [number("offset", own(), offset), number("gain", Dimension::Plain, gain)]
+            }
+        }
+    }
+
+    /// Sets the first or the second of its numbers.
+    pub(super) fn set(&mut self, place: usize, value: f64) {
+        let (LagTarget::Levels { low: first, high: second }
+        | LagTarget::Linear { offset: first, gain: second }) = self;
+        *(if place == 0 { first } else { second }) = value;
+    }
+
     pub(super) fn is_finite(&self) -> bool {
         let (LagTarget::Levels { low: one, high: other } | LagTarget::Linear { offset: one, gain: other }) =
             self;
@@ -104,6 +127,8 @@ pub struct LagSpec {
     pub input: ChannelId,
     /// The analog channel that carries its sampled value.
     pub output: ChannelId,
+    /// The unit of that channel.
+    pub unit: String,
     /// Where the input sends it.
     pub target: LagTarget,
     /// Value at the start.
@@ -139,9 +164,19 @@ impl PlantSpec for LagSpec {
         faults
     }
 
+    fn parameters(&self) -> Vec<PlantParameter> {
+        std::iter::once(time_constant(self.tau)).chain(self.target.parameters(&self.unit)).collect()
+    }
+
     fn build(&self, _random: Random) -> Box<dyn Plant> {
         Box::new(Lag::new(self))
     }
+}
+
+/// The time constant of a plant as a parameter.
+pub(super) fn time_constant(initial: Span) -> PlantParameter {
+    let takes = ParameterKind::Measure { dimension: Dimension::Time, least: 1e-9, most: 1e9 };
+    PlantParameter { name: String::from("tau"), takes, initial: span_seconds(initial) }
 }
 
 fn read(reader: &mut PlantReader<'_, '_>) -> Option<Arc<dyn PlantSpec>> {
@@ -155,7 +190,7 @@ fn read(reader: &mut PlantReader<'_, '_>) -> Option<Arc<dyn PlantSpec>> {
     // Times of 0 are found with the board as a whole.
     let (tau, sample) = (reader.any_duration("tau")?, reader.any_duration("sample")?);
     let name = reader.name();
-    Some(Arc::new(LagSpec { name, input, output, target, initial, tau, sample, switches: switches? }))
+    Some(Arc::new(LagSpec { name, input, output, unit, target, initial, tau, sample, switches: switches? }))
 }
 
 /// Where the input of a plant sends it: by `low` and `high`, or by `offset` and `gain`.
@@ -200,8 +235,11 @@ const SETTLED: i64 = 40;
 /// the switches, by the true value and not by its samples.
 #[derive(Debug)]
 pub struct Lag {
-    target_of: LagTarget,
+    /// As the board file has it.
+    planned: (LagTarget, Span),
     initial: f64,
+    input: Value,
+    target_of: LagTarget,
     tau: Span,
     sample: Span,
     switches: Vec<Switch>,
@@ -231,8 +269,10 @@ impl Lag {
             flips: None,
         };
         let mut lag = Lag {
-            target_of: spec.target,
+            planned: (spec.target, spec.tau),
             initial: spec.initial,
+            input: Value::HighZ,
+            target_of: spec.target,
             tau: spec.tau,
             sample: spec.sample,
             switches: spec.switches.iter().map(switch).collect(),
@@ -289,6 +329,25 @@ impl Lag {
         }
     }
 
+    /// It goes where its input sends it now.
+    fn aim(&mut self, now: Time) {
+        let target = self.target_of.of(self.input);
+        if target != self.target && target.is_finite() {
+            self.change(now, |lag| lag.target = target);
+        }
+    }
+
+    /// It goes on from where it is by another target or time constant.
+    fn change(&mut self, now: Time, change: impl FnOnce(&mut Lag)) {
+        self.from = self.value(now);
+        self.since = now;
+        change(self);
+        self.plan_switches();
+        if self.next_sample.is_none_or(|due| due > now) {
+            self.plan_sample(now);
+        }
+    }
+
     /// Sets the next instant of the grid of samples: none where the output stands at its target for good.
     fn plan_sample(&mut self, now: Time) {
         if self.value(now) == self.target && self.outputs[0].as_real() == Some(self.target) {
@@ -312,6 +371,8 @@ impl Plant for Lag {
     fn start(&mut self, now: Time) {
         self.started = now;
         self.since = now;
+        (self.target_of, self.tau) = self.planned;
+        self.input = Value::HighZ;
         self.from = self.initial;
         self.target = self.target_of.of(Value::HighZ);
         self.outputs[0] = Value::Real(self.initial);
@@ -325,17 +386,8 @@ impl Plant for Lag {
     }
 
     fn input(&mut self, now: Time, _port: usize, input: &PlantInput) {
-        let target = self.target_of.of(input.value);
-        if target == self.target || !target.is_finite() {
-            return;
-        }
-        self.from = self.value(now);
-        self.since = now;
-        self.target = target;
-        self.plan_switches();
-        if self.next_sample.is_none_or(|due| due > now) {
-            self.plan_sample(now);
-        }
+        self.input = input.value;
+        self.aim(now);
     }
 
     fn next_event(&self) -> Option<Time> {
@@ -367,6 +419,20 @@ impl Plant for Lag {
 
     fn outputs(&self) -> &[Value] {
         &self.outputs
+    }
+
+    fn set(&mut self, now: Time, parameter: usize, value: f64) {
+        match parameter {
+            0 => {
+                // The range of the parameter fits into the nanoseconds of a duration.
+                let tau = Span::from_nanos(libm::round(value * 1e9) as i64).max(Span::from_nanos(1));
+                self.change(now, |lag| lag.tau = tau);
+            }
+            _ => {
+                self.target_of.set(parameter - 1, value);
+                self.aim(now);
+            }
+        }
     }
 
     fn course(&self, output: usize) -> Option<Course> {

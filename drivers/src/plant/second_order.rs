@@ -37,6 +37,7 @@ struct SecondOrderSpec {
     name: String,
     input: ChannelId,
     output: ChannelId,
+    unit: String,
     target: LagTarget,
     initial: f64,
     tau: Span,
@@ -62,6 +63,7 @@ fn read(reader: &mut PlantReader<'_, '_>) -> Option<Arc<dyn PlantSpec>> {
         name: reader.name(),
         input,
         output,
+        unit,
         target,
         initial: initial.unwrap_or(Some(target.lowest()))?,
         tau: tau?,
@@ -90,17 +92,16 @@ impl PlantSpec for SecondOrderSpec {
 
     fn parameters(&self) -> Vec<PlantParameter> {
         let takes = ParameterKind::Measure { dimension: Dimension::Plain, least: 0.01, most: 1e3 };
-        vec![PlantParameter { name: String::from("damping"), takes, initial: self.damping }]
+        let damping = PlantParameter { name: String::from("damping"), takes, initial: self.damping };
+        [damping, lag::time_constant(self.tau)]
+            .into_iter()
+            .chain(self.target.parameters(&self.unit))
+            .collect()
     }
 
     fn build(&self, _random: Random) -> Box<dyn Plant> {
         let response = SecondOrder::new(self.sample, &self.switches, span_seconds(self.tau), self.damping);
-        Box::new(SecondOrderPlant {
-            target: self.target,
-            initial: self.initial,
-            damping: self.damping,
-            response,
-        })
+        Box::new(SecondOrderPlant { spec: self.clone(), input: Value::HighZ, target: self.target, response })
     }
 }
 
@@ -145,8 +146,9 @@ impl SecondOrder {
         self.value.go_on(now, course, self.outputs[0]);
     }
 
-    pub(super) fn damp(&mut self, now: Time, damping: f64) {
-        self.damping = damping;
+    /// It goes on from where it is, as fast as it moves there, with another time constant in seconds or another damping.
+    fn change(&mut self, now: Time, tau: f64, damping: f64) {
+        (self.tau, self.damping) = (tau, damping);
         self.replan(now);
     }
 
@@ -169,20 +171,23 @@ impl SecondOrder {
 
 #[derive(Debug)]
 struct SecondOrderPlant {
+    spec: SecondOrderSpec,
+    input: Value,
     target: LagTarget,
-    initial: f64,
-    damping: f64,
     response: SecondOrder,
 }
 
 impl Plant for SecondOrderPlant {
     fn start(&mut self, now: Time) {
-        self.response.damping = self.damping;
-        self.response.start(now, self.initial, self.target.of(Value::HighZ));
+        self.input = Value::HighZ;
+        self.target = self.spec.target;
+        (self.response.tau, self.response.damping) = (span_seconds(self.spec.tau), self.spec.damping);
+        self.response.start(now, self.spec.initial, self.target.of(Value::HighZ));
     }
 
     fn input(&mut self, now: Time, _port: usize, input: &PlantInput) {
-        self.response.aim(now, self.target.of(input.value));
+        self.input = input.value;
+        self.response.aim(now, self.target.of(self.input));
     }
 
     fn next_event(&self) -> Option<Time> {
@@ -201,7 +206,14 @@ impl Plant for SecondOrderPlant {
         self.response.course(output)
     }
 
-    fn set(&mut self, now: Time, _parameter: usize, value: f64) {
-        self.response.damp(now, value);
+    fn set(&mut self, now: Time, parameter: usize, value: f64) {
+        match parameter {
+            0 => self.response.change(now, self.response.tau, value),
+            1 => self.response.change(now, value, self.response.damping),
+            _ => {
+                self.target.set(parameter - 2, value);
+                self.response.aim(now, self.target.of(self.input));
+            }
+        }
     }
 }
