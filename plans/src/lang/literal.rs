@@ -98,7 +98,7 @@ impl Literal {
     }
 
     /// The number with its unit, also of one without; `None` for a Boolean, a state and what is no finite number.
-    pub(crate) fn as_quantity(&self) -> Option<Quantity> {
+    pub fn as_quantity(&self) -> Option<Quantity> {
         let number = match self {
             Literal::Value(Value::Bool(_)) | Literal::Label(_) => None,
             Literal::Value(value) => match value.as_int() {

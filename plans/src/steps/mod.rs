@@ -16,6 +16,7 @@ mod encoder;
 mod fault;
 mod file;
 mod load;
+mod plant;
 mod run;
 mod send;
 mod sequence;
@@ -115,6 +116,7 @@ pub static VERBS: &[StepVerb] = &[
     send::SEND,
     sequence::SEQUENCE,
     drive::SET,
+    plant::SET_PLANT,
     disturb::SHORT_CIRCUIT,
     wave::SINE,
     wave::SQUARE,
@@ -348,6 +350,17 @@ pub enum Stimulus {
         /// For how long.
         lasts: Span,
     },
+    /// Sets a parameter of a plant of the board.
+    SetPlant {
+        /// Name of the plant.
+        plant: String,
+        /// Name of the parameter.
+        parameter: String,
+        /// What it is from then on.
+        value: Literal,
+        /// For how long; `None`: until another step sets it.
+        lasts: Option<Span>,
+    },
     /// Puts a fault on a line.
     Fault {
         /// The line.
@@ -436,6 +449,7 @@ impl Stimulus {
             Stimulus::Power(_) => "power",
             Stimulus::Overload { .. } => "overload",
             Stimulus::Suspend { .. } => "suspend",
+            Stimulus::SetPlant { .. } => "set-plant",
             Stimulus::Fault { .. } => "fault",
             Stimulus::File { .. } => "file",
             Stimulus::Clear { .. } => "clear",
@@ -497,9 +511,9 @@ impl Stimulus {
                 *width
             }
             Stimulus::PowerCut(lasts) | Stimulus::Suspend { lasts, .. } => *lasts,
-            Stimulus::Fault { lasts: Some(lasts), .. } | Stimulus::Disturb { lasts: Some(lasts), .. } => {
-                *lasts
-            }
+            Stimulus::Fault { lasts: Some(lasts), .. }
+            | Stimulus::SetPlant { lasts: Some(lasts), .. }
+            | Stimulus::Disturb { lasts: Some(lasts), .. } => *lasts,
             Stimulus::Train(train) => train.length(),
             Stimulus::Wave(wave) => wave.lasts.unwrap_or(Span::ZERO),
             Stimulus::Encoder(encoder) => encoder.length(),

@@ -173,6 +173,12 @@ pub const PERIOD_NOT_RESTARTED: &str = "R0310";
 pub const PULSES_NOT_PROMISED: &str = "R0315";
 /// A promise to count that was not kept when it was measured.
 pub const PROMISE_NOT_KEPT: &str = "R0316";
+/// A plant that the board does not have, or has twice.
+pub const NO_PLANT: &str = "R0331";
+/// A parameter that a plant does not have.
+pub const NO_PARAMETER: &str = "R0332";
+/// A value that a parameter of a plant does not take.
+pub const PARAMETER_VALUE: &str = "R0333";
 /// Stepped time on real lines.
 pub const REAL_LINES_NOT_STEPPED: &str = "R0600";
 /// A name that is unknown to a running rig.

@@ -21,6 +21,7 @@ pub mod loop_counter;
 mod loss;
 pub mod operator;
 mod pacing;
+mod plant_settings;
 mod ports;
 mod real_lines;
 pub mod recorder;
@@ -55,6 +56,7 @@ use event_source::EventSource;
 use exceptions::ExceptionWatch;
 use pacing::Pacing;
 use plans::steps::CasePart;
+use plant_settings::PlantSettings;
 use ports::BoundPorts;
 use real_lines::RealLines;
 use relays::RelayMarks;
@@ -79,6 +81,7 @@ pub struct Executor<'a> {
     buffers: Buffers,
     devices: Devices,
     driven: Driven,
+    plant_settings: PlantSettings,
     /// Instant that the rig has reached: modelled, and on the clock.
     now: Time,
     actual: Time,
@@ -217,6 +220,7 @@ impl<'a> Executor<'a> {
             },
             devices: Devices { nodes: vec![BusState::ErrorActive; buses.len()], noticed: None },
             driven: Driven { restore: values.clone(), values },
+            plant_settings: PlantSettings::default(),
             now: Time::ZERO,
             actual: Time::ZERO,
             loaded: Time::ZERO,

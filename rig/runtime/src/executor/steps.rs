@@ -183,6 +183,14 @@ impl Executor<'_> {
         })
     }
 
+    /// Sets a parameter of a plant of the board.
+    fn set_plant(&mut self, plant: usize, parameter: usize, value: f64) -> Result<(), RigFault> {
+        let at = self.board_time();
+        let set = self.parts.board.set_parameter(at, plant, parameter, value);
+        set.map_err(|error| RigFault::Board { at, error })?;
+        self.poll()
+    }
+
     fn act(&mut self, step: usize, place: usize) -> Result<(), RigFault> {
         let act = self.parts.schedule.steps()[step].acts[place].1.clone();
         let (now, at) = (self.now, self.board_time());
@@ -206,6 +214,14 @@ impl Executor<'_> {
                 self.parts.subject.disturb(now, disturbance, &mut self.buffers.effects)
             }
             Act::Suspend { task, lasts } => self.parts.subject.suspend(task, now.saturating_add(lasts)),
+            Act::SetPlant { plant, parameter, value, for_a_time } => {
+                self.plant_settings.set((plant, parameter), step, value, for_a_time);
+                self.set_plant(plant, parameter, value)?;
+            }
+            Act::RestorePlant { plant, parameter, initial } => {
+                let value = self.plant_settings.restore((plant, parameter), step, initial);
+                value.map_or(Ok(()), |value| self.set_plant(plant, parameter, value))?;
+            }
             Act::Fault(fault) => {
                 self.parts.board.inject(at, fault).map_err(|error| RigFault::Board { at, error })?;
                 self.relay_asked(fault.channel);

@@ -6,6 +6,7 @@ mod file_signals;
 mod function_lines;
 mod lines;
 mod meaning;
+mod plants;
 mod signals;
 mod steps;
 mod waves;

@@ -3,6 +3,7 @@
 use super::TestBench;
 use super::lines::{driven, fault_kind, forced_place, line, of_controller, value_for};
 use super::meaning::{NameMeaning, SignalMeanings, known_tasks, no_terminal, suggestion};
+use super::plants::plant_parameter;
 use super::waves::generator;
 use crate::application::catalogue::Catalogue;
 use crate::application::taken_values::TakenValues;
@@ -218,6 +219,13 @@ pub(super) fn plan_step(
                 return None;
             };
             vec![(Span::ZERO, Act::Suspend { task, lasts: *lasts })]
+        }
+        Stimulus::SetPlant { plant, parameter, value, lasts } => {
+            let (plant, place, set) = plant_parameter(plant, parameter, value, bench, step, out)?;
+            let initial = bench.file.circuit.plants[plant].parameters()[place].initial;
+            let act = Act::SetPlant { plant, parameter: place, value: set, for_a_time: lasts.is_some() };
+            let back = lasts.map(|lasts| (lasts, Act::RestorePlant { plant, parameter: place, initial }));
+            std::iter::once((Span::ZERO, act)).chain(back).collect()
         }
         Stimulus::Fault { signal, kind, lasts } => {
             let channel = line(signal, names, step, out)?;

@@ -48,6 +48,26 @@ pub enum Act {
         /// For how long.
         lasts: Span,
     },
+    /// Sets a parameter of a plant.
+    SetPlant {
+        /// Place of the plant.
+        plant: usize,
+        /// Place of its parameter.
+        parameter: usize,
+        /// What it is from then on.
+        value: f64,
+        /// Whether it goes back.
+        for_a_time: bool,
+    },
+    /// Ends the time for which the step has set a parameter of a plant.
+    RestorePlant {
+        /// Place of the plant.
+        plant: usize,
+        /// Place of its parameter.
+        parameter: usize,
+        /// What it is in the board file.
+        initial: f64,
+    },
     /// Puts a fault on a line.
     Fault(Fault),
     /// Takes the faults off a line.

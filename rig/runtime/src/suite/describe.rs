@@ -307,6 +307,10 @@ pub fn what(stimulus: &Stimulus) -> String {
             format!("the next {times} cycles of {task} take {cycle} each")
         }
         Stimulus::Suspend { task, lasts } => format!("{task} does not get the processor for {lasts}"),
+        Stimulus::SetPlant { plant, parameter, value, lasts } => {
+            let lasts = lasts.map_or_else(String::new, |lasts| format!(" for {lasts}"));
+            format!("{parameter} of {plant} to {value}{lasts}")
+        }
         Stimulus::Fault { signal, kind, lasts } => {
             let kind = show_fault(kind);
             let lasts = lasts.map_or_else(String::new, |lasts| format!(" for {lasts}"));
