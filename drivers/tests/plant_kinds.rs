@@ -1,5 +1,8 @@
 //! Plants of every kind, as board files have them, against what their laws give.
 
+use std::collections::BTreeSet;
+use std::path::Path;
+
 use crate::common::*;
 use document::SourceFile;
 use scanrig_drivers::{Board, BoardExt, BoardFile, Subject, Terminals, UnknownSubject, build, read};
@@ -524,4 +527,55 @@ fn dead_time_keeps_the_course() {
     let (at, value) = *late.last().unwrap();
     assert_eq!(at, 12 * S + S / 2);
     assert!((value.as_real().unwrap() - 4.0 - 16.0 * 0.005).abs() < 1e-9, "{value:?}");
+}
+
+/// The parameters of every plant of the shipped boards, by its kind.
+fn parameters_of_boards() -> BTreeSet<(String, String)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let folder = root.join("plans/library/plants");
+    let files = std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().path());
+    let mut texts: Vec<String> = files
+        .filter(|path| path.to_string_lossy().ends_with("-board.toml"))
+        .map(|path| std::fs::read_to_string(path).unwrap())
+        .collect();
+    texts.push(std::fs::read_to_string(root.join("drivers/tests/bench.toml")).unwrap());
+    // A response to a digital input, as that of `bench.toml` is of the other kind.
+    let damped = response("second-order").file.circuit.plants[0].parameters();
+    let mut found: BTreeSet<_> =
+        damped.into_iter().map(|one| (String::from("second-order"), one.name)).collect();
+    for text in texts {
+        let kinds: Vec<String> = text
+            .lines()
+            .skip_while(|line| *line != "[[plants]]")
+            .filter_map(|line| line.strip_prefix("kind = \"")?.strip_suffix('"').map(str::to_owned))
+            .collect();
+        let file = read(&SourceFile::new("b.toml", text), &terminals).unwrap();
+        assert_eq!(kinds.len(), file.circuit.plants.len());
+        for (kind, spec) in kinds.iter().zip(&file.circuit.plants) {
+            for parameter in spec.parameters() {
+                // Flows have names of their own.
+                if kind != "tank" || parameter.name == "leak" {
+                    found.insert((kind.clone(), parameter.name));
+                }
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn the_manual_lists_every_parameter() {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/boards/plants.md");
+    let text = std::fs::read_to_string(page).unwrap();
+    let table = text.split_once("## Parameters").unwrap().1;
+    let mut listed = BTreeSet::new();
+    for row in table.lines().filter(|line| line.starts_with("| `")) {
+        let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+        let coded =
+            |cell: &str| -> Vec<String> { cell.split('`').skip(1).step_by(2).map(str::to_owned).collect() };
+        for kind in coded(cells[1]) {
+            listed.extend(coded(cells[2]).into_iter().map(|name| (kind.clone(), name)));
+        }
+    }
+    assert_eq!(listed, parameters_of_boards());
 }
