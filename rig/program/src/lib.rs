@@ -70,7 +70,9 @@ pub use machine::{ChangeError, ChangeReport, Machine};
 pub use native::{BlockBody, Native, Pin, PinKind, Pins, STANDARD};
 pub use options::{Costs, Options, ProgramLimits};
 pub use parse::{declares, mentions};
-pub use program::{ConfiguredTask, ImagePlace, Located, Program, Retention, Storage, VarRef, Variable};
+pub use program::{
+    ConfiguredTask, ImagePlace, Located, Program, ProgramPin, Retention, Storage, VarRef, Variable,
+};
 pub use set::SetError;
 pub use shape::{Member, MemoryLayout, Root, ShapeId};
 pub use source::source;

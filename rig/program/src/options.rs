@@ -116,6 +116,42 @@ impl Default for Costs {
 }
 
 impl Costs {
+    /// Costs that only bound how long a program runs, where its time is not modelled: 1 for an operation, more for those on texts
+    /// and for functions and blocks of the library.
+    pub const COUNTED: Costs = Costs {
+        bool_op: 1,
+        bool_load: 0,
+        bool_store: 1,
+        int_op: 1,
+        int_div: 1,
+        int_load: 0,
+        int_store: 1,
+        dint_op: 1,
+        dint_div: 1,
+        dint_load: 0,
+        dint_store: 1,
+        long_op: 1,
+        long_div: 1,
+        long_load: 0,
+        long_store: 1,
+        real_op: 1,
+        real_div: 1,
+        real_load: 0,
+        real_store: 1,
+        lreal_op: 1,
+        lreal_div: 1,
+        lreal_load: 0,
+        lreal_store: 1,
+        text: 100,
+        function: 10,
+        copy: 1,
+        retained: 0,
+        branch: 1,
+        call: 10,
+        block: 10,
+        index: 1,
+    };
+
     pub(crate) fn op(&self, ty: Elementary) -> u32 {
         match ty.class() {
             TypeClass::Bool => self.bool_op,

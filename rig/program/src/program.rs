@@ -1,6 +1,6 @@
 //! A compiled program: code, the layout of its variables, and what is known of them.
 
-use crate::code::{CodeStep, CodeUnit, IndexOf, LibraryCall, ObjectClass, Statement, TextPair};
+use crate::code::{CodeStep, CodeUnit, IndexOf, LibraryCall, ObjectClass, Op, Statement, TextPair};
 use crate::native::Native;
 use crate::shape::{MemoryLayout, Root, ShapeId};
 use crate::types::Elementary;
@@ -113,6 +113,19 @@ pub struct ImagePlace {
     pub span: Range<usize>,
 }
 
+/// A VAR_INPUT or VAR_OUTPUT of a PROGRAM: what whoever runs it connects.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ProgramPin {
+    /// As declared.
+    pub name: String,
+    /// With its PROGRAM: `MAIN.level`.
+    pub path: String,
+    /// VAR_INPUT.
+    pub is_input: bool,
+    /// Its type; `None` for one that has no elementary one.
+    pub ty: Option<Elementary>,
+}
+
 /// A task that the sources configure (CONFIGURATION).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ConfiguredTask {
@@ -184,6 +197,8 @@ pub struct Program {
     pub(crate) roots: Vec<Root>,
     pub(crate) shapes: Vec<MemoryLayout>,
     pub(crate) tasks: Vec<ConfiguredTask>,
+    /// VAR_INPUT and VAR_OUTPUT of the PROGRAMs: no part of what the program does.
+    pub(crate) pins: Vec<ProgramPin>,
     /// Places of %I and %Q by their addresses: no part of what the program does.
     pub(crate) images: Vec<ImagePlace>,
     /// Source file and bytes of the first LREAL: no part of what the program does.
@@ -312,6 +327,22 @@ impl Program {
     pub(crate) fn file_at(&self, pc: u32) -> u16 {
         let after = self.units.iter().filter(|unit| unit.entry <= pc);
         after.max_by_key(|unit| unit.entry).map_or(0, |unit| unit.file)
+    }
+
+    /// VAR_INPUT and VAR_OUTPUT of the PROGRAMs, in the order of the sources; constants and in-outs are not among them.
+    pub fn pins(&self) -> &[ProgramPin] {
+        &self.pins
+    }
+
+    /// The first call of a function that asks the controller ([`crate::StopReason::Service`]): place of the source file, and line
+    /// from 1.
+    pub fn asks_controller(&self) -> Option<(u16, u32)> {
+        let asks = |step: &CodeStep| {
+            let call = self.library.get(step.b as usize).filter(|_| step.op == Op::CallLibrary);
+            call.is_some_and(LibraryCall::asks)
+        };
+        let pc = self.code.iter().position(asks)?;
+        Some((self.file_at(pc as u32), self.lines.get(pc).copied().unwrap_or(0)))
     }
 
     /// The tasks that the sources configure, in their order.

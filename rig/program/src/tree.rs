@@ -4,7 +4,7 @@
 
 use crate::findings::SourcePlace;
 use crate::native::Native;
-use crate::program::{ConfiguredTask, ImagePlace, Located, Retained};
+use crate::program::{ConfiguredTask, ImagePlace, Located, ProgramPin, Retained};
 use crate::shape::MemoryLayout;
 use crate::types::Elementary;
 
@@ -74,6 +74,7 @@ pub(crate) struct Tree {
     pub roots: Vec<crate::shape::Root>,
     pub shapes: Vec<MemoryLayout>,
     pub tasks: Vec<ConfiguredTask>,
+    pub pins: Vec<ProgramPin>,
     /// Places of %I and %Q that the user's sources name.
     pub images: Vec<ImagePlace>,
     /// Source file and bytes of the first LREAL.

@@ -24,6 +24,7 @@ mod services;
 mod slices;
 mod standard_blocks;
 mod steps;
+mod still;
 mod support;
 mod texts;
 mod vendor_forms;

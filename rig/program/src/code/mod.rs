@@ -129,6 +129,14 @@ pub(crate) struct LibraryCall {
     pub result: LibraryArgument,
 }
 
+impl LibraryCall {
+    /// Whether the controller is asked, and answers.
+    pub(crate) fn asks(&self) -> bool {
+        use crate::library::Body;
+        matches!(self.code, LibraryCode::Function(function) if matches!(function.body, Body::Service(_)))
+    }
+}
+
 /// Code that can be called.
 #[derive(Clone, Debug)]
 pub(crate) struct CodeUnit {

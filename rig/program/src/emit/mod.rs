@@ -133,6 +133,7 @@ pub(crate) fn emit(
         roots: tree.roots,
         shapes: tree.shapes,
         tasks: tree.tasks,
+        pins: tree.pins,
         images: tree.images,
         lreal: tree.lreal,
         variables: Vec::new(),

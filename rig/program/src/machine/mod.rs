@@ -20,6 +20,11 @@ use signal::{Span, Time, Value};
 use std::ops::Range;
 use std::sync::Arc;
 
+/// Time goes on by what each operation costs.
+const AS_MODELLED: i64 = 1;
+/// Time stands still while a cycle runs.
+const STILL: i64 = 0;
+
 /// A program with its memory. Nothing is allocated by [`Machine::begin`] and [`Machine::resume`].
 #[derive(Clone, Debug)]
 pub struct Machine {
@@ -116,6 +121,16 @@ impl Machine {
     /// later slice. So results and times do not depend on how a cycle is cut into slices. A task without a cycle
     /// under way is [`StopReason::Done`] at once.
     pub fn resume(&mut self, task: usize, now: Time, budget: Span, host: &mut dyn Host) -> MachineSlice {
+        self.slice(task, now, (budget, AS_MODELLED), host)
+    }
+
+    fn slice(
+        &mut self,
+        task: usize,
+        now: Time,
+        (budget, pace): (Span, i64),
+        host: &mut dyn Host,
+    ) -> MachineSlice {
         let Some(task) = self.tasks.get_mut(task) else {
             return MachineSlice { used: Span::ZERO, stop: StopReason::Done };
         };
@@ -143,6 +158,7 @@ impl Machine {
             scratch: &mut self.scratch,
             debug: &mut self.debug,
             changed: &mut changed,
+            pace,
         };
         let slice = if debugged {
             run::<true>(parts, task, now, budget, host)
@@ -154,6 +170,19 @@ impl Machine {
             self.apply_forced();
         }
         slice
+    }
+
+    /// Runs a whole cycle of a task in no time: all of it happens at `now`, for timers, too. What its operations cost bounds it:
+    /// [`StopReason::Budget`] says that it was not complete after `most`, and what is left of it is abandoned by the next one.
+    pub fn cycle(&mut self, task: usize, now: Time, most: Span, host: &mut dyn Host) -> StopReason {
+        self.begin(task);
+        self.slice(task, now, (most, STILL), host).stop
+    }
+
+    /// Place of the source file and line, from 1, of the operation that a task executes next.
+    pub fn source_line(&self, task: usize) -> Option<(u16, u32)> {
+        let pc = self.tasks.get(task)?.registers.pc;
+        Some((self.program.file_at(pc), self.program.lines.get(pc as usize).copied()?))
     }
 
     /// Answers what a task asked for with [`StopReason::Service`]: the result of the call, cut to its type. Nothing happens

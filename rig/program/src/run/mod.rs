@@ -48,6 +48,8 @@ pub(crate) struct MachineParts<'a> {
     pub debug: &'a mut Debug,
     /// Gathers the flags of bytes that changed.
     pub changed: &'a mut u8,
+    /// Nanoseconds that pass for what blocks and functions see of the time, for each nanosecond of cost: 1 or 0.
+    pub pace: i64,
 }
 
 /// One slice of a task. The variant with `DEBUG` minds breakpoints and coverage.
@@ -61,7 +63,7 @@ pub(crate) fn run<const DEBUG: bool>(
     budget: Span,
     host: &mut dyn Host,
 ) -> MachineSlice {
-    let MachineParts { program, prepared, natives, memory, flags, scratch, debug, changed } = parts;
+    let MachineParts { program, prepared, natives, memory, flags, scratch, debug, changed, pace } = parts;
     let budget = budget.as_nanos().max(0);
     let mut left = budget;
     if task.position >= task.programs.len() {
@@ -84,7 +86,7 @@ pub(crate) fn run<const DEBUG: bool>(
 
     let exit = 'slice: loop {
         if !DEBUG && let Some(entry) = quick.entry(pc) {
-            let around = QuickContext { program, memory, flags, pins: natives, task, now, budget };
+            let around = QuickContext { program, memory, flags, pins: natives, task, now, budget, pace };
             QuickPlace { pc, left, bases, unit } =
                 quick.go(around, entry, QuickPlace { pc, left, bases, unit });
         }
@@ -401,7 +403,7 @@ pub(crate) fn run<const DEBUG: bool>(
                 else {
                     fault!(Internal)
                 };
-                let now = now.saturating_add(Span::from_nanos(budget - left));
+                let now = now.saturating_add(Span::from_nanos((budget - left) * pace));
                 match world.call_native(memory, native, pins, at, now) {
                     Stored::Bad => fault!(BadReference),
                     stored => settle!(stored),
@@ -410,7 +412,7 @@ pub(crate) fn run<const DEBUG: bool>(
             Op::CallLibrary => {
                 let Some(call) = program.library.get(b as usize) else { fault!(Internal) };
                 let place = |memory: &[u8], operand| place(memory, bases, operand);
-                let now = now.saturating_add(Span::from_nanos(budget - left));
+                let now = now.saturating_add(Span::from_nanos((budget - left) * pace));
                 match world.call_library(memory, scratch, call, place, now, By { pc: here, unit }) {
                     Ok(CallResult::Done(stored)) => settle!(stored),
                     Ok(CallResult::Asks(service, argument)) => {

@@ -9,7 +9,7 @@ use crate::code::map;
 use crate::codes::Code;
 use crate::findings::{SourcePlace, count};
 use crate::parse::ast::{self, Section, SectionKind};
-use crate::program::{Located, Retained, Retention};
+use crate::program::{Located, ProgramPin, Retained, Retention};
 use crate::shape::{Member, Root};
 use signal::{Address, Area, Size};
 
@@ -103,6 +103,15 @@ impl<'a> Sema<'a> {
                 let symbol = &self.pous[place as usize].symbols[nth];
                 let (name, ty, home, retention) =
                     (symbol.shown, symbol.type_id(), symbol.home, symbol.retention);
+                if matches!(symbol.kind, SectionKind::Input | SectionKind::Output) && !symbol.constant {
+                    let is_input = symbol.kind == SectionKind::Input;
+                    let ty = match self.ty(ty) {
+                        Type::Elementary(ty) => Some(*ty),
+                        _ => None,
+                    };
+                    let path = format!("{path}.{name}");
+                    self.pins.push(ProgramPin { name: name.to_owned(), path, is_input, ty });
+                }
                 self.locate_root(&format!("{path}.{name}"), ty, home, at.file);
                 if let Home::Absolute(address) = home
                     && address < map::OWN_END

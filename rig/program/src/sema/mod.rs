@@ -35,7 +35,7 @@ use crate::findings::{CompileFindings, SourcePlace};
 use crate::options::Options;
 use crate::parse::NameTable;
 use crate::parse::ast::{self, Key, Name, SectionKind};
-use crate::program::{ImagePlace, Located, Retained};
+use crate::program::{ImagePlace, Located, ProgramPin, Retained};
 use crate::shape::{MemoryLayout, Root, ShapeId};
 use crate::tree::{Tree, UnitTree};
 use crate::types::Elementary;
@@ -158,6 +158,7 @@ struct Sema<'a> {
     retaining: HashMap<TypeId, bool>,
     located: Vec<Located>,
     roots: Vec<Root>,
+    pins: Vec<ProgramPin>,
     shapes: Vec<MemoryLayout>,
     shape_index: HashMap<TypeId, ShapeId>,
     context: ScopeContext,
@@ -216,6 +217,7 @@ pub(crate) fn check<'a>(
         retaining: HashMap::new(),
         located: Vec::new(),
         roots: Vec::new(),
+        pins: Vec::new(),
         shapes: Vec::new(),
         shape_index: HashMap::new(),
         context: ScopeContext::default(),
@@ -339,6 +341,7 @@ impl<'a> Sema<'a> {
             roots: std::mem::take(&mut self.roots),
             shapes: std::mem::take(&mut self.shapes),
             tasks,
+            pins: std::mem::take(&mut self.pins),
             images: std::mem::take(&mut self.image_places).into_iter().map(image_place).collect(),
             lreal: self.lreal.map(|at| (at.file, at.start as usize..at.end as usize)),
         }

@@ -64,6 +64,7 @@ impl Default for Builder {
             roots: Vec::new(),
             shapes: Vec::new(),
             tasks: Vec::new(),
+            pins: Vec::new(),
             images: Vec::new(),
             lreal: None,
             variables: Vec::new(),

@@ -24,6 +24,7 @@ pub(super) struct Calls<'a> {
     task: &'a mut TaskState,
     now: Time,
     budget: i64,
+    pace: i64,
     /// By `From`.
     pub bases: [u32; 3],
     pub unit: u16,
@@ -36,9 +37,9 @@ impl<'a> Calls<'a> {
         bases: [u32; 3],
         unit: u16,
     ) -> Option<(Calls<'a>, &'a mut [u8], &'a [u8])> {
-        let QuickContext { program, memory, flags, pins, task, now, budget } = around;
+        let QuickContext { program, memory, flags, pins, task, now, budget, pace } = around;
         let flags = flags.get(..memory.len())?;
-        Some((Calls { program, pins, task, now, budget, bases, unit }, memory, flags))
+        Some((Calls { program, pins, task, now, budget, pace, bases, unit }, memory, flags))
     }
 }
 
@@ -112,7 +113,7 @@ impl Quick {
         if flags.chunks_exact(8).any(|flags| flags != [0; 8]) {
             return false;
         }
-        let now = calls.now.saturating_add(Span::from_nanos(calls.budget - left));
+        let now = calls.now.saturating_add(Span::from_nanos((calls.budget - left) * calls.pace));
         run(&mut Pins::new(bytes, native.pins, &pins.offsets, &[], now));
         true
     }

@@ -88,6 +88,8 @@ pub(super) struct QuickContext<'a> {
     /// When the slice began, and its budget in nanoseconds.
     pub now: Time,
     pub budget: i64,
+    /// Nanoseconds that pass for each nanosecond of cost: 1 or 0.
+    pub pace: i64,
 }
 
 /// Where a task stands.
