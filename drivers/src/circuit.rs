@@ -3,6 +3,7 @@
 mod bus;
 mod order;
 mod plant;
+mod program;
 mod tally;
 
 use std::fmt;
@@ -15,6 +16,10 @@ use crate::channel::{ChannelId, ChannelKind};
 
 pub use bus::{BusSpec, BusSpecKind, CanRates, SerialEnd, SerialMedium};
 pub use plant::{ParameterKind, Plant, PlantInput, PlantParameter, PlantPort, PlantPortKind, PlantSpec};
+pub use program::{
+    PlantFault, PlantMachine, PlantProgram, PlantProgramError, PlantPrograms, PlantVariable,
+    PlantVariableKind,
+};
 pub use tally::TallySpec;
 
 /// What an undriven digital line reads.

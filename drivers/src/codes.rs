@@ -141,6 +141,9 @@ document::codes! {
     PLANT_FLOW = "B0509", "A flow of a tank is not clear";
     PLANT_ENCODER = "B0510", "The encoder of a motor cannot be like this";
     PLANT_SAMPLE = "B0511", "A sample time and an output do not go together";
+    PLANT_PROGRAM = "B0512", "A program that no plant can run";
+    PLANT_VARIABLE = "B0513", "A variable that the program of a plant does not have, or not so";
+    PLANT_VARIABLE_TYPE = "B0514", "A variable of a plant's program does not suit its channel or value";
     CHANCE = "B0601", "A chance is not between 0 and 1";
 }
 

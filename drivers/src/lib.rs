@@ -52,7 +52,7 @@ pub use channel::{
     TimestampSource,
 };
 pub use channel_table::ChannelTable;
-pub use circuit::BusSpec;
+pub use circuit::{BusSpec, PlantFault};
 pub use context::{BoardContext, OutputGuard};
 pub use course::Course;
 pub use device_board::Reopen;
@@ -61,7 +61,7 @@ pub use event::{BoardEvent, Health, LossReason, Origin};
 pub use file::{
     Binding, Bite, BoardFile, BoardKind, CODES, ControlSettings, External, GuardSettings, OnDisconnect,
     OnLoss, PortBinding, Subject, SubjectLines, SubjectPort, SubjectPortKind, Terminals, UnknownSubject,
-    WatchdogSettings, build, open, read,
+    WatchdogSettings, build, open, read, read_with_programs,
 };
 pub use gpio::GpioBoard;
 pub use holder::{Holder, holders};

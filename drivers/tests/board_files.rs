@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::common::*;
+use crate::plant_programs::PlayedPrograms;
 use document::{SourceFile, line_col};
 use proptest::prelude::*;
 use scanrig_drivers::circuit::{Bounce, Pull, Spacing};
@@ -11,6 +12,7 @@ use scanrig_drivers::file::KEYS;
 use scanrig_drivers::{
     Bite, Board, BoardFile, BusId, CODES, ControlSettings, Disturbance, GuardSettings, OnDisconnect, Subject,
     SubjectPort, SubjectPortKind, Terminals, UnknownSubject, WatchdogSettings, build, read,
+    read_with_programs,
 };
 use signal::{Address, Area, Span, Value};
 
@@ -221,7 +223,8 @@ fn broken_files_are_refused_where_they_are_broken() {
     let mut wrong = String::new();
     for path in &paths {
         let text = std::fs::read_to_string(path).unwrap();
-        let found = read(&SourceFile::new("b.toml", text.clone()), &terminals).err().unwrap_or_default();
+        let file = SourceFile::new("b.toml", text.clone());
+        let found = read_with_programs(&file, &terminals, &PlayedPrograms).err().unwrap_or_default();
         let mut places = Vec::new();
         for one in &found {
             let (line, column) = line_col(&text, one.labels.first().map_or(0, |label| label.span.start));

@@ -11,6 +11,7 @@ mod generating;
 mod gpio;
 mod lines;
 mod plant_kinds;
+mod plant_programs;
 mod plants;
 mod relays;
 mod scripted;

@@ -248,6 +248,7 @@ fn every_example_provokes_its_code_and_its_fix_does_not() {
         match block.role.as_str() {
             // What the command of the next block works with.
             "with" if block.language == "csv" => bench.write("lamp.csv", &block.text),
+            "with" if block.language == "iecst" => bench.write("plant.st", &block.text),
             "with" => bench.write("lamp.toml", &plan(&block.text)),
             "wrong" => {
                 let (codes, _) = found(&bench, &block);

@@ -92,6 +92,9 @@ pub enum BoardError {
         /// The limit.
         limit: u32,
     },
+    /// A plant came to its end: [`Board::plant_fault`](super::Board::plant_fault) says which one and why. It is reported once.
+    #[error("a plant failed at {0}")]
+    PlantFailed(Time),
     /// The board has no such plant.
     #[error("the board has no plant {0}")]
     NoPlant(usize),

@@ -8,6 +8,7 @@ mod ext;
 use std::fmt;
 
 use crate::channel::{Channel, ChannelId};
+use crate::circuit::PlantFault;
 use crate::event::{BoardEvent, Health};
 use crate::output_claim::OutputClaim;
 use signal::{Time, Value};
@@ -57,13 +58,14 @@ pub trait Board: Send + fmt::Debug {
     /// # Errors
     /// Nothing is written where one entry is refused: [`BoardError::NoChannel`], [`BoardError::NotDriven`],
     /// [`BoardError::BadValue`], [`BoardError::Latched`], [`BoardError::NotStarted`], [`BoardError::Backwards`],
-    /// [`BoardError::Storm`], [`BoardError::Os`].
+    /// [`BoardError::Storm`], [`BoardError::PlantFailed`], [`BoardError::Os`].
     fn write(&mut self, now: Time, writes: &[(ChannelId, Value)]) -> Result<(), BoardError>;
 
     /// Appends to `out` all that happened up to and including `now` and was not reported yet, oldest first.
     ///
     /// # Errors
-    /// [`BoardError::NotStarted`], [`BoardError::Backwards`], [`BoardError::Storm`], [`BoardError::Os`]. What had
+    /// [`BoardError::NotStarted`], [`BoardError::Backwards`], [`BoardError::Storm`], [`BoardError::PlantFailed`],
+    /// [`BoardError::Os`]. What had
     /// happened before the error is in `out`.
     fn poll(&mut self, now: Time, out: &mut Vec<BoardEvent>) -> Result<(), BoardError>;
 
@@ -115,6 +117,11 @@ pub trait Board: Send + fmt::Debug {
     /// Plants that can be set.
     fn plant_parameters(&mut self) -> Option<&mut dyn PlantParameters> {
         self.inner_mut()?.plant_parameters()
+    }
+
+    /// Why a plant came to its end, where one did since the start: the first.
+    fn plant_fault(&self) -> Option<&PlantFault> {
+        self.inner()?.plant_fault()
     }
 
     /// A claim of their own on the output lines, for whoever makes them safe when the rig cannot any more. Empty for a

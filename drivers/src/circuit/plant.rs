@@ -118,7 +118,8 @@ pub struct PlantInput {
     pub course: Option<Course>,
 }
 
-/// A model of a process in closed form between two changes of its inputs: it never ticks.
+/// A model of a process in closed form between two changes of its inputs: it never ticks, but for one whose law is a program of
+/// the user's.
 ///
 /// Times never go backwards. Inputs and outputs are counted from 0 in the order of the plant's own description.
 pub trait Plant: Send + fmt::Debug {
@@ -144,6 +145,11 @@ pub trait Plant: Send + fmt::Debug {
     /// How many changes are on their way through it.
     fn waiting(&self) -> usize {
         0
+    }
+
+    /// Why it does nothing any more: its law cannot go on. Its outputs stay.
+    fn fault(&self) -> Option<&str> {
+        None
     }
 
     /// How an analog output goes on, if that is known in closed form and nothing else is on it.

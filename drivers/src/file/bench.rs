@@ -6,7 +6,7 @@ use document::{Data, Entry, Fields, Findings, Node, suggest};
 use signal::{Address, AddressError, Area, Size, Value};
 
 use super::{Binding, BoardFile, Terminals, codes, keys, number};
-use crate::circuit::{ChannelSpec, MAX_PARTS, Pull};
+use crate::circuit::{ChannelSpec, MAX_PARTS, PlantPrograms, Pull};
 use crate::plant::ChannelNames;
 use crate::{ChannelId, ChannelKind};
 
@@ -14,6 +14,7 @@ use crate::{ChannelId, ChannelKind};
 pub(super) struct Bench<'t> {
     pub(super) file: BoardFile,
     terminals: &'t Terminals,
+    programs: Option<&'t dyn PlantPrograms>,
     /// Place of the channel's key, and whether its pull is written; by channel.
     written: Vec<Option<(Range<usize>, bool)>>,
     /// Channels that are relays, which the rig drives although no terminal needs them.
@@ -21,10 +22,14 @@ pub(super) struct Bench<'t> {
 }
 
 impl<'t> Bench<'t> {
-    /// A bench of the default board.
-    pub(super) fn new(file: BoardFile, terminals: &'t Terminals) -> Self {
+    /// A bench of the default board, whose plants have their programs from there.
+    pub(super) fn new(
+        file: BoardFile,
+        terminals: &'t Terminals,
+        programs: Option<&'t dyn PlantPrograms>,
+    ) -> Self {
         let written = vec![None; file.circuit.channels.len()];
-        Bench { file, terminals, written, relays: Vec::new() }
+        Bench { file, terminals, programs, written, relays: Vec::new() }
     }
 
     /// Where the file describes a channel.
@@ -247,6 +252,10 @@ impl ChannelNames for Bench<'_> {
 
     fn spec(&self, channel: ChannelId) -> &ChannelSpec {
         &self.file.circuit.channels[usize::from(channel.0)]
+    }
+
+    fn programs(&self) -> Option<&dyn PlantPrograms> {
+        self.programs
     }
 }
 

@@ -21,7 +21,7 @@ mod sim_buses;
 pub mod statements;
 mod subject;
 
-use document::Diagnostic;
+use document::{Diagnostic, SourceFile};
 use signal::calendar::Date;
 use signal::{Address, Area, Coverage};
 
@@ -43,7 +43,7 @@ pub use guard::{Bite, GuardSettings, WatchdogSettings};
 pub use keys::KEYS;
 pub use modules::{ModuleTerminal, ModuleTerminalKind};
 pub use ports::{PortBinding, SubjectPort, SubjectPortKind};
-pub use read::read;
+pub use read::{read, read_with_programs};
 pub use statements::Statement;
 pub use subject::{External, Subject, SubjectLines};
 
@@ -139,6 +139,10 @@ pub struct BoardFile {
     pub clock: BoardClock,
     /// Delays between the terminals and the lines of a real board, by channel.
     pub delays: Vec<ChannelDelay>,
+    /// The files of the programs that its plants run, each once: filled in by whoever read them.
+    pub programs: Vec<SourceFile>,
+    /// What is worth knowing of these programs.
+    pub warnings: Vec<Diagnostic>,
     /// What the file states of the errors of what the board sees, in its order.
     pub statements: Vec<Statement>,
     /// What becomes of a case that loses a device.
@@ -178,6 +182,8 @@ impl BoardFile {
             realtime: RealtimeSettings::default(),
             clock: BoardClock::default(),
             delays: Vec::new(),
+            programs: Vec::new(),
+            warnings: Vec::new(),
             statements: Vec::new(),
             on_loss: OnLoss::default(),
             control: ControlSettings::default(),

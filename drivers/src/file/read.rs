@@ -6,18 +6,41 @@ use super::bench::Bench;
 use super::devices::counter;
 use super::realtime::realtime;
 use super::subject::{subject, subject_lines};
+use crate::circuit::PlantPrograms;
+
 use super::{
     BoardFile, BoardKind, OnLoss, Subject, Terminals, UnknownSubject, check, clock, codes, control, delays,
     guard, keys, modules, parts, ports, real, sim_buses, statements,
 };
 
-/// Reads a board file. `terminals` says which terminals a subject has.
+/// Reads a board file. `terminals` says which terminals a subject has. A plant that runs a program is refused:
+/// [`read_with_programs`] has them.
 ///
 /// # Errors
 /// Everything that is wrong with the file, by place, under [`super::CODES`].
 pub fn read(
     file: &SourceFile,
     terminals: &dyn Fn(&Subject) -> Result<Terminals, UnknownSubject>,
+) -> Result<BoardFile, Vec<Diagnostic>> {
+    read_file(file, terminals, None)
+}
+
+/// As [`read`], with the programs of its plants.
+///
+/// # Errors
+/// Those of [`read`], and what is wrong with the programs.
+pub fn read_with_programs(
+    file: &SourceFile,
+    terminals: &dyn Fn(&Subject) -> Result<Terminals, UnknownSubject>,
+    programs: &dyn PlantPrograms,
+) -> Result<BoardFile, Vec<Diagnostic>> {
+    read_file(file, terminals, Some(programs))
+}
+
+fn read_file(
+    file: &SourceFile,
+    terminals: &dyn Fn(&Subject) -> Result<Terminals, UnknownSubject>,
+    programs: Option<&dyn PlantPrograms>,
 ) -> Result<BoardFile, Vec<Diagnostic>> {
     let tree = toml::parse(file, codes::DOCUMENT)?;
     let mut out = Findings::new(file, codes::DOCUMENT);
@@ -55,6 +78,7 @@ pub fn read(
     let mut bench = Bench::new(
         BoardFile { name: file.name.clone(), title, subject, realtime: punctual, ..default },
         &terminals,
+        programs,
     );
     let entries = |key| fields.get(key).and_then(Node::as_table).map_or(&[][..], |table| &table.entries);
     bench.channels(entries("channels"), &mut out);

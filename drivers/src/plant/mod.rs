@@ -8,6 +8,7 @@ mod drive;
 mod heater;
 mod lag;
 mod motor;
+mod program;
 mod reader;
 mod sampled;
 mod second_order;
@@ -47,6 +48,7 @@ const KINDS: &[PlantKind] = &[
     heater::KIND,
     lag::KIND,
     motor::KIND,
+    program::KIND,
     second_order::KIND,
     tank::KIND,
     transmitter::KIND,

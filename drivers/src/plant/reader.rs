@@ -1,10 +1,13 @@
 //! What the readers of plants share: keys of a table as channels, numbers and durations, with what is wrong reported.
 
-use document::{Data, Fields, Findings, KeySpec, KeyType, Node};
+use std::ops::Range;
+use std::sync::Arc;
+
+use document::{Data, Entry, Fields, Findings, KeySpec, KeyType, Node};
 use signal::{Quantity, QuantityRange, Span, Unit};
 
 use crate::channel::{ChannelId, ChannelKind};
-use crate::circuit::ChannelSpec;
+use crate::circuit::{ChannelSpec, PlantProgram, PlantProgramError, PlantPrograms};
 use crate::measure::Dimension;
 use crate::{codes, number};
 
@@ -29,6 +32,8 @@ pub(crate) trait ChannelNames {
     fn channel(&self, node: &Node, out: &mut Findings) -> Option<ChannelId>;
     /// What it is.
     fn spec(&self, channel: ChannelId) -> &ChannelSpec;
+    /// Where the programs of its plants come from; `None` for a file that is read without what stands beside it.
+    fn programs(&self) -> Option<&dyn PlantPrograms>;
 }
 
 /// The table of a plant, or one within it. Its methods report what is wrong with a value, and nothing where a key is left out.
@@ -72,6 +77,11 @@ impl<'a, 'n> PlantReader<'a, 'n> {
         self.out.error(code, span, message, help);
     }
 
+    /// Reports at a place.
+    pub(super) fn error_at(&mut self, span: Range<usize>, code: &'static str, message: String, help: &str) {
+        self.out.error(code, span, message, help);
+    }
+
     /// Reports at the name of a key that is there.
     pub(super) fn error_of_key(&mut self, key: &str, code: &'static str, message: String, help: &str) {
         if let Some(entry) = self.fields.table().entry(key) {
@@ -79,15 +89,54 @@ impl<'a, 'n> PlantReader<'a, 'n> {
         }
     }
 
-    /// The channel of a key, with whether it is digital and its unit.
+    /// The entries of a table with free keys.
+    pub(super) fn entries(&self, key: &str) -> &'n [Entry] {
+        self.fields.get(key).and_then(Node::as_table).map_or(&[], |table| &table.entries)
+    }
+
+    /// The program of the files of a key.
+    pub(super) fn program(&mut self, key: &str) -> Option<Arc<dyn PlantProgram>> {
+        let files: Vec<&str> = self.fields.each(key).iter().filter_map(Node::as_text).collect();
+        let loaded = match self.names.programs() {
+            Some(programs) => programs.load(&files),
+            None => Err(PlantProgramError::Unsuited(
+                String::from("the files beside this board file are not read here"),
+                String::from("read it from where its programs are"),
+            )),
+        };
+        match loaded {
+            Ok(program) => return Some(program),
+            Err(PlantProgramError::Unsuited(message, help)) => {
+                self.error(key, codes::PLANT_PROGRAM, message, &help);
+            }
+            Err(PlantProgramError::Findings(found)) => {
+                let entry = self.fields.table().entry(key);
+                let span = entry.map_or_else(|| self.node.span.clone(), |entry| entry.node.span.clone());
+                let file = self.out.file().to_owned();
+                for one in found {
+                    let is_placed = !one.labels.is_empty();
+                    self.out.push(if is_placed { one } else { one.at(file.clone(), span.clone(), "") });
+                }
+            }
+        }
+        None
+    }
+
+    /// The channel of a key, with its unit; `None` for the unit of a digital one.
     pub(super) fn channel(&mut self, key: &str) -> Option<(ChannelId, Option<String>)> {
-        let id = self.names.channel(self.fields.get(key)?, self.out)?;
+        self.channel_at(self.fields.get(key)?)
+    }
+
+    /// The channel that a value names, in the same way.
+    pub(super) fn channel_at(&mut self, node: &Node) -> Option<(ChannelId, Option<String>)> {
+        let id = self.names.channel(node, self.out)?;
         match &self.names.spec(id).kind {
             ChannelKind::Digital => Some((id, None)),
             ChannelKind::Analog { unit } => Some((id, Some(unit.clone()))),
             ChannelKind::Count => {
                 let message = String::from("a plant has nothing to do with a count");
-                self.error(key, codes::PLANT_CHANNEL, message, "name a digital or an analog channel");
+                let help = "name a digital or an analog channel";
+                self.out.error(codes::PLANT_CHANNEL, node.span.clone(), message, help);
                 None
             }
         }

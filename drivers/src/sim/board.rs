@@ -13,7 +13,7 @@ use super::wire::Wire;
 use crate::board::{self, Board, BoardError, FaultInjection, PlantParameters};
 use crate::bus::{Bus, BusEvent, BusId};
 use crate::channel::{Channel, ChannelId, Fault};
-use crate::circuit::{Circuit, CircuitError, CircuitFault, PlantInput, PlantSpec, fit};
+use crate::circuit::{Circuit, CircuitError, CircuitFault, PlantFault, PlantInput, PlantSpec, fit};
 use crate::course::Course;
 use crate::event::{BoardEvent, Health, LossReason, Origin};
 
@@ -50,6 +50,9 @@ pub struct SimulatedBoard {
     health: Health,
     seed: u64,
     buses: SimulatedBuses,
+    /// The first plant that came to its end, and whether that was reported.
+    plant_fault: Option<PlantFault>,
+    is_fault_reported: bool,
 }
 
 impl SimulatedBoard {
@@ -84,6 +87,8 @@ impl SimulatedBoard {
             health: Health::default(),
             seed,
             buses: SimulatedBuses::new(&circuit.buses),
+            plant_fault: None,
+            is_fault_reported: false,
         };
         for spec in &circuit.wires {
             board.add_wire(Wire::new(*spec, seed, board.wires.len() as u64));
@@ -121,7 +126,8 @@ impl SimulatedBoard {
         let driving = vec![Value::HighZ; outputs.len()];
         // Wires draw from the lanes before these.
         let random = Random::lane(self.seed, PLANT_LANES + place as u64);
-        self.plants.push(PlantAt { plant: spec.build(random), outputs, driving });
+        let name = spec.name().to_owned();
+        self.plants.push(PlantAt { name, plant: spec.build(random), outputs, driving });
     }
 
     /// Finds out which plants take how their lines go on: those from which no way over lines leads back to the plant that
@@ -319,11 +325,30 @@ impl SimulatedBoard {
             } else {
                 let plant = due - lines - wires;
                 self.plants[plant].plant.advance(now);
+                self.notice_fault(now, plant);
                 self.note_plant(plant);
                 self.drive_from(plant);
             }
         }
         self.settle(now);
+    }
+
+    /// Keeps why a plant came to its end, if it did.
+    fn notice_fault(&mut self, now: Time, plant: usize) {
+        let PlantAt { name, plant, .. } = &self.plants[plant];
+        if let (Some(why), None) = (plant.fault(), &self.plant_fault) {
+            self.plant_fault = Some(PlantFault { plant: name.clone(), at: now, why: why.to_owned() });
+        }
+    }
+
+    /// Reports a plant that came to its end, once.
+    fn check_plants(&mut self) -> Result<(), BoardError> {
+        match &self.plant_fault {
+            Some(fault) if !std::mem::replace(&mut self.is_fault_reported, true) => {
+                Err(BoardError::PlantFailed(fault.at))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Takes a plant's outputs over to its lines, and how they go on.
@@ -371,6 +396,7 @@ impl SimulatedBoard {
         {
             self.now = self.now.max(self.timetable.first());
             self.step(self.now);
+            self.check_plants()?;
             self.check_pending()?;
             steps += 1;
             if steps > MAX_PENDING {
@@ -445,6 +471,8 @@ impl Board for SimulatedBoard {
         self.started = true;
         self.now = now;
         self.health = Health::default();
+        self.plant_fault = None;
+        self.is_fault_reported = false;
         self.reports.clear();
         self.dirty.clear();
         self.lost.fill(false);
@@ -529,6 +557,10 @@ impl Board for SimulatedBoard {
 
     fn plant_parameters(&mut self) -> Option<&mut dyn PlantParameters> {
         Some(self)
+    }
+
+    fn plant_fault(&self) -> Option<&PlantFault> {
+        self.plant_fault.as_ref()
     }
 
     fn faults(&self) -> Option<&dyn FaultInjection> {

@@ -9,6 +9,7 @@ use crate::course::Course;
 /// A plant and the lines that it drives.
 #[derive(Debug)]
 pub(super) struct PlantAt {
+    pub(super) name: String,
     pub(super) plant: Box<dyn Plant>,
     pub(super) outputs: Vec<ChannelId>,
     /// What the outputs drive.
