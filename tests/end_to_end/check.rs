@@ -39,6 +39,35 @@ fn an_instrument_file_is_checked_as_what_it_is() {
 }
 
 #[test]
+fn a_board_is_checked_with_the_programs_of_its_plants() {
+    let bench = TestProject::new();
+    let board = "format = 1\n[board]\nkind = \"simulated\"\n[[plants]]\nkind = \"program\"\nname = \"vessel\"
+program = \"../vessel.st\"\nperiod = \"10 ms\"\ninputs = { fill = \"Q0\" }\n";
+    bench.write("boards/board.toml", board);
+    let program = |line: &str| {
+        format!(
+            "PROGRAM Vessel\nVAR_INPUT fill : BOOL; END_VAR\nVAR n : INT; u : UINT; END_VAR\n{line}\nEND_PROGRAM\n"
+        )
+    };
+    bench.write("vessel.st", &program("n := 1;"));
+    let ran = bench.expect(0, &["check", "boards/board.toml"]);
+    assert_eq!((ran.out.as_str(), ran.err.as_str()), ("boards/board.toml: no errors\n", ""));
+    bench.write("vessel.st", &program("m := 1;"));
+    bench.refused(&["check", "boards/board.toml"], &["S0301", "boards/../vessel.st:4:1", "m := 1;"]);
+    bench.refused(
+        &["check", "--board", "boards/board.toml", "lamp.toml"],
+        &["S0301", "boards/../vessel.st:4:1"],
+    );
+    // A warning is shown, and the board can be used.
+    bench.write("vessel.st", &program("n := u;"));
+    let ran = bench.expect(0, &["check", "boards/board.toml"]);
+    assert_eq!(ran.out, "boards/board.toml: no errors\n");
+    assert!(ran.err.contains("warning[S0306]"), "{}", ran.err);
+    bench.write("boards/board.toml", &board.replace("../vessel.st", "vesel.st"));
+    bench.refused(&["check", "boards/board.toml"], &["board.toml:7:11", "relative to the board file"]);
+}
+
+#[test]
 fn one_broken_file_does_not_hide_the_others() {
     let bench = TestProject::new();
     bench.write_lamp("a.toml", "rises", "risse");

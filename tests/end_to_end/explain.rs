@@ -108,6 +108,7 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("R0331", "a board with a plant"),
     ("R0332", "a board with a plant"),
     ("R0333", "a board with a plant"),
+    ("R0334", "a plant that fails while it runs"),
     ("R034", "a service manager"),
     ("R04", "records that somebody edited"),
     ("R062", "a client of a rig that runs"),

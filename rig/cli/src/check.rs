@@ -68,7 +68,7 @@ pub fn run(args: &CheckArgs) -> ExitStatus {
         let (path, mut sources) = (path.to_string_lossy(), Vec::new());
         match suite::load_board(&Disk, &path, &mut sources) {
             Ok(read) => {
-                report(&path, &of_this_machine(&read.0), &sources);
+                report(&path, &worth_knowing(&read.0), &sources);
                 board = Some(read);
             }
             Err(found) => report(&path, &found, &sources),
@@ -118,16 +118,18 @@ fn check(
     // What cannot be read is reported by the loading.
     let text = Disk.read(path).unwrap_or_default();
     match kind::of(&text) {
-        FileKind::Board => suite::load_board(&Disk, path, sources)
-            .map_or_else(|found| found, |read| of_this_machine(&read.0)),
+        FileKind::Board => {
+            suite::load_board(&Disk, path, sources).map_or_else(|found| found, |read| worth_knowing(&read.0))
+        }
         FileKind::Instrument => load_instrument(&Disk, path, sources).err().unwrap_or_default(),
         FileKind::Included => suite::check_included(&Disk, path, sources),
         _ => check_plan(path, board, &parameters.of_plan(&Disk, path), sources),
     }
 }
 
-/// What a board file asks of this machine that it does not have. A warning: the file may be for another one.
-fn of_this_machine(board: &BoardFile) -> Vec<Diagnostic> {
+/// What is worth knowing of a board file that can be used: warnings of the programs of its plants, and what it asks of this machine
+/// that it does not have, for the file may be for another one.
+fn worth_knowing(board: &BoardFile) -> Vec<Diagnostic> {
     let missing =
         board.control.group.as_deref().and_then(|group| services::control::check_group(group).err());
     let found = missing.map(|fault| {
@@ -135,7 +137,7 @@ fn of_this_machine(board: &BoardFile) -> Vec<Diagnostic> {
         let at = board.control.group_at.clone();
         Diagnostic::warning(code, fault.message).at(&board.name, at, "").help(fault.help)
     });
-    found.into_iter().collect()
+    board.warnings.iter().cloned().chain(found).collect()
 }
 
 /// A plan with its programs: every name that it uses is looked up as a run would, without running.

@@ -179,6 +179,8 @@ pub const NO_PLANT: &str = "R0331";
 pub const NO_PARAMETER: &str = "R0332";
 /// A value that a parameter of a plant does not take.
 pub const PARAMETER_VALUE: &str = "R0333";
+/// A plant that failed while it ran.
+pub const PLANT_FAILED: &str = "R0334";
 /// Stepped time on real lines.
 pub const REAL_LINES_NOT_STEPPED: &str = "R0600";
 /// A name that is unknown to a running rig.
@@ -343,6 +345,7 @@ pub const CODES: &[(&str, &str)] = &[
     (PERIOD_NOT_RESTARTED, "A period that a device cannot restart"),
     (PULSES_NOT_PROMISED, "Pulses that the board does not promise"),
     (PROMISE_NOT_KEPT, "A promise to count that was not kept when it was measured"),
+    (PLANT_FAILED, "A plant that failed while it ran"),
     ("R0340", "A service manager that cannot be notified"),
     ("R0341", "A setting of the service manager that is no number"),
     ("R0342", "A rig that ended by a fault of its own"),

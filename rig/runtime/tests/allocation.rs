@@ -143,6 +143,31 @@ fn waves_allocate_nothing() {
     allocates_nothing(&files);
 }
 
+/// A plant that times, counts and looks into a table, and a controller that answers it.
+const PLANT: &str = "PROGRAM Plant
+VAR_INPUT beat : BOOL; target : LREAL; END_VAR
+VAR_OUTPUT back : BOOL; level : LREAL; END_VAR
+VAR delay : TON; rise : R_TRIG; table : ARRAY [0..7] OF REAL; n : DINT; END_VAR
+n := n + 1;
+rise(CLK := beat);
+IF rise.Q THEN table[n MOD 8] := LREAL_TO_REAL(SIN(target + DINT_TO_LREAL(n))); END_IF
+delay(IN := beat, PT := T#5ms);
+back := delay.Q;
+level := table[(n + 1) MOD 8];
+END_PROGRAM
+";
+
+#[test]
+fn plants_in_structured_text_allocate_nothing() {
+    let plant = "[channels]\nlevel = { kind = \"analog\" }\nset = { kind = \"analog\" }
+[[plants]]\nkind = \"program\"\nname = \"plant\"\nprogram = \"plant.st\"\nperiod = \"3 ms\"
+inputs = { beat = \"Q0\", target = \"set\" }\noutputs = { back = \"I5\", level = \"level\" }\n";
+    let board = BOARD.replace("[[wires]]\nfrom = \"Q0\"", &format!("{plant}[[wires]]\nfrom = \"Q0\""));
+    let files =
+        [("plan.toml", PLAN), ("cycles.st", PROGRAM), ("board.toml", board.as_str()), ("plant.st", PLANT)];
+    allocates_nothing(&files);
+}
+
 /// Square waves, pulses of an axis that goes to and fro, and a counter of the waves with reflex and threshold.
 const FUNCTIONS: &str = "PROGRAM MAIN
 VAR

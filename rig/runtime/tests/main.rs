@@ -19,6 +19,7 @@ mod library;
 mod lines;
 mod live;
 mod modules;
+mod plant_programs;
 mod plants;
 mod ports;
 mod refused;

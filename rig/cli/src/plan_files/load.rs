@@ -37,7 +37,10 @@ pub fn load(request: &LoadRequest<'_>, sources: &mut Vec<SourceFile>) -> Result<
     let board: Option<(BoardFile, String)> = match request.board {
         None => None,
         Some(path) => match suite::load_board(&Disk, &path.to_string_lossy(), sources) {
-            Ok(board) => Some(board),
+            Ok(board) => {
+                output::findings(&board.0.warnings, sources);
+                Some(board)
+            }
             Err(found) => {
                 output::findings(&found, sources);
                 return Err(ExitStatus::UserFiles);

@@ -92,6 +92,7 @@ fn try_run(args: &RunArgs, sources: &mut Vec<SourceFile>) -> Result<ExitStatus, 
     let lasts = args.duration.as_deref().map(duration).transpose().map_err(|found| vec![found])?;
     let stepped = args.control.is_stepped().map_err(|found| vec![found])?;
     let board = suite::load_board(&Disk, &args.board.to_string_lossy(), sources)?;
+    output::findings(&board.0.warnings, sources);
     if board.0.subject.is_external() {
         return Err(vec![soft_plc::real_controller(&board.0)]);
     }

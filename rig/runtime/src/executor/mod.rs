@@ -49,7 +49,7 @@ use crate::subject::{Subject, SubjectExt};
 use crate::wiring::Wiring;
 use confirm::PendingWrites;
 use controller::{Effect, Effects};
-use drivers::{Board, BoardEvent, BoardExt, BusEvent, BusState, ChannelId, Emission};
+use drivers::{Board, BoardError, BoardEvent, BoardExt, BusEvent, BusState, ChannelId, Emission};
 use edges::PendingEdges;
 use emission::Emissions;
 use event_source::EventSource;
@@ -310,6 +310,11 @@ impl<'a> Executor<'a> {
         }
         if let Some(error) = self.parts.recorder.take_fault() {
             self.report.fault.get_or_insert(RigFault::Trace(error));
+        }
+        if let Some(RigFault::Board { error: BoardError::PlantFailed(_), .. }) = self.report.fault
+            && let Some(fault) = self.parts.board.plant_fault()
+        {
+            self.report.fault = Some(RigFault::Plant(fault.clone()));
         }
         std::mem::take(&mut self.report)
     }

@@ -1,9 +1,10 @@
 //! Faults of the rig itself: the verdict is then `error`, whatever the controller did.
 
+use crate::codes;
 use crate::executor::operator::AskError;
 use crate::subject::hook::HookError;
 use controller::{CommandError, FileError, State, WriteError};
-use drivers::{BoardError, BusKind, BusState, Channel, ChannelId, Health, LossReason};
+use drivers::{BoardError, BusKind, BusState, Channel, ChannelId, Health, LossReason, PlantFault};
 use signal::{Span, Time, TraceError};
 use std::fmt;
 
@@ -17,6 +18,8 @@ pub enum RigFault {
         /// Why.
         error: BoardError,
     },
+    /// A plant of the board came to its end.
+    Plant(PlantFault),
     /// The board was not sound at the end of the case.
     Unsound {
         /// When.
@@ -263,6 +266,9 @@ impl fmt::Display for RigFaultText<'_> {
             RigFault::Board { at, error } => {
                 write!(f, "at {at}: ")?;
                 self.board(f, error)
+            }
+            RigFault::Plant(PlantFault { plant, at, why }) => {
+                write!(f, "the plant `{plant}` failed at {at}: {why} ({})", codes::PLANT_FAILED)
             }
             RigFault::Unsound { at, health } => write!(
                 f,

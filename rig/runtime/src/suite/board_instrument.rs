@@ -2,7 +2,7 @@
 //! of the trace, so that a judgement of the trace alone says the same.
 
 use crate::suite::case_files::CaseFiles;
-use crate::suite::describe::sha256;
+use crate::suite::describe::board_hash;
 use crate::suite::instrument_file::recorded;
 use record::{InstrumentRecord, InstrumentStatement};
 use signal::{ClockError, Trace};
@@ -25,7 +25,7 @@ pub(crate) fn of(files: &CaseFiles) -> Option<InstrumentRecord> {
     (!board.statements.is_empty()).then(|| InstrumentRecord {
         file: board.name.clone(),
         title: board.title.clone(),
-        sha256: sha256(files.board_text.as_bytes()),
+        sha256: board_hash(files),
         statements: board.statements.iter().cloned().map(recorded).collect(),
     })
 }

@@ -60,13 +60,23 @@ pub fn hashes_again(plan: &Joined, trace: &Trace) -> Hashes {
     }
 }
 
+/// The hash of the board file with the programs of its plants.
+pub(crate) fn board_hash(files: &CaseFiles) -> String {
+    let mut text = files.board_text.clone();
+    for program in &files.board.programs {
+        text.push('\0');
+        text.push_str(&program.text);
+    }
+    sha256(text.as_bytes())
+}
+
 /// Hashes of what a case is made of.
 pub fn hashes(files: &CaseFiles) -> Hashes {
     let all = files.sources.iter().chain(files.others.iter().flat_map(|other| &other.sources));
     let sources: String = all.map(|source| format!("{}\0{}\0", source.name, source.text)).collect();
     Hashes {
         plan: plan_hash(&files.joined),
-        board: if files.board_text.is_empty() { String::new() } else { sha256(files.board_text.as_bytes()) },
+        board: if files.board_text.is_empty() { String::new() } else { board_hash(files) },
         program: if sources.is_empty() { String::new() } else { sha256(sources.as_bytes()) },
         capture: String::new(),
     }

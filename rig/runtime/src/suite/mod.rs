@@ -6,6 +6,7 @@ pub mod case_files;
 pub mod describe;
 pub mod file_source;
 pub mod instrument_file;
+pub(crate) mod plant_programs;
 pub(crate) mod ports;
 pub mod real_boards;
 pub mod suites;
@@ -14,10 +15,11 @@ use crate::application::{blocks, modules};
 use crate::codes;
 use crate::suite::case_files::{CaseFiles, OtherProgram};
 pub use crate::suite::file_source::{Disk, FileSource, beside, load, load_program};
+use crate::suite::plant_programs::{BoardPrograms, ReadPrograms};
 use document::{Diagnostic, SourceFile};
 use drivers::file::{
     BoardFile, ModuleTerminal, ModuleTerminalKind, Subject as BoardSubject, SubjectPort, SubjectPortKind,
-    Terminals, UnknownSubject, read as read_board,
+    Terminals, UnknownSubject, read_with_programs,
 };
 use drivers::sensor::SensorCurve;
 use plans::plan::{GlobalChecks, PlanText};
@@ -302,7 +304,11 @@ pub fn load_board(
 ) -> Result<(BoardFile, String), Vec<Diagnostic>> {
     let file = load(files, path).map_err(|found| vec![found])?;
     sources.push(file.clone());
-    let board = read_board(&file, &terminals)?;
+    let programs = BoardPrograms::new(files, path);
+    let board = read_with_programs(&file, &terminals, &programs);
+    let ReadPrograms { sources: programs, warnings, .. } = programs.into_read();
+    sources.extend(programs.iter().cloned());
+    let board = BoardFile { programs, warnings, ..board? };
     GlobalChecks::of_board(&file)?;
     Ok((board, file.text))
 }
@@ -343,17 +349,24 @@ impl LoadedPlan {
         };
         add(&self.plan.path, &self.plan.source().text);
         self.programs.iter().for_each(|source| add(&source.name, &source.text));
-        self.boards.iter().for_each(|(name, _, text)| add(name, text));
+        for (name, board, text) in &self.boards {
+            add(name, text);
+            board.programs.iter().for_each(|source| add(&source.name, &source.text));
+        }
         self.others.iter().for_each(|file| add(&file.name, &file.text));
         self.suites.iter().for_each(|suite| add(&suite.file().name, &suite.file().text));
         self.given.iter().for_each(|(name, value)| add(name, value));
-        self.board.iter().for_each(|(_, text)| add("", text));
+        if let Some((board, text)) = &self.board {
+            add("", text);
+            board.programs.iter().for_each(|source| add("", &source.text));
+        }
         crate::suite::describe::sha256(text.as_bytes())
     }
 
-    /// What is worth knowing about the suites.
+    /// What is worth knowing about the suites, and about the programs of the boards.
     pub fn suite_warnings(&self) -> impl Iterator<Item = &Diagnostic> {
-        self.suites.iter().flat_map(|suite| &suite.warnings)
+        let boards = self.boards.iter().flat_map(|(_, board, _)| &board.warnings);
+        self.suites.iter().flat_map(|suite| &suite.warnings).chain(boards)
     }
 
     /// The jobs of this plan. A case without a board file of its own runs with every profile that the plan holds
