@@ -74,6 +74,9 @@ fn bench() -> TestProject {
         bench.write(name, &read(name));
     }
     bench.write("door.png", "");
+    let tanks =
+        manual().iter().flat_map(|page| page.blocks()).find(|block| block.text.contains("PROGRAM TwoTanks"));
+    bench.write("two-tanks.st", &tanks.unwrap().text);
     let sequences = manual().iter().flat_map(|page| page.blocks()).find(|block| block.language == "csv");
     bench.write("drive.csv", &sequences.unwrap().text);
     bench

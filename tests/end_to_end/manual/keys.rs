@@ -50,6 +50,7 @@ const TABLES: &[Said] = &[
     ("boards/plants", "valve and cylinder", "key", Board, &["plants.*"]),
     ("boards/plants", "motor", "key", Board, &["plants.*"]),
     ("boards/plants", "conveyor", "key", Board, &["plants.*"]),
+    ("boards/plants", "program", "key", Board, &["plants.*"]),
     ("boards/file", "control", "key", Board, &["control"]),
     ("boards/generators", "Generators", "key of a generator", Board, &["generators.*"]),
     ("boards/generators", "Generators", "key of a channel", Board, &["channels.*"]),
