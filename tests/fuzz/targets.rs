@@ -39,6 +39,11 @@ pub fn control(data: &[u8]) {
 const PROGRAM: &str = "PROGRAM MAIN VAR button AT %IX0.0 : BOOL; lamp AT %QX0.4 : BOOL; n : INT; d : TON; END_VAR \
                        d(IN := button, PT := T#500ms); lamp := d.Q; n := n + 1; END_PROGRAM";
 
+/// The program of a plant.
+const PLANT: &str = "PROGRAM PLANT VAR_INPUT on : BOOL; divisor : INT := 1; flow : LREAL; END_VAR \
+                     VAR_OUTPUT n : DINT; level : REAL; done : BOOL; END_VAR VAR d : TON; END_VAR \
+                     n := n + 100 / divisor; level := level + LREAL_TO_REAL(flow); d(IN := on, PT := T#1ms); done := d.Q; END_PROGRAM";
+
 const BOARD: &str = "format = 1\n[board]\nkind = \"simulated\"\n";
 
 const PLAN: &str = r#"format = 1
@@ -67,6 +72,7 @@ impl FileSource for One<'_> {
     fn read(&self, path: &str) -> Result<String, String> {
         match path {
             path if path == self.name => Ok(self.text.to_owned()),
+            "plant.st" => Ok(PLANT.to_owned()),
             path if path.ends_with(".st") => Ok(PROGRAM.to_owned()),
             path if path.ends_with(".toml") => Ok(BOARD.to_owned()),
             _ => Err("there is no such file".to_owned()),
@@ -120,7 +126,9 @@ pub fn board(data: &[u8]) {
             // A board may make trouble by itself, which then is an error and no panic.
             let _ = board.start(Time::ZERO);
             let _ = board.poll(Time::ZERO, &mut Vec::new());
-            let _ = board.safe(Time::ZERO);
+            let later = Time::from_nanos(10_000_000);
+            let _ = board.poll(later, &mut Vec::new());
+            let _ = board.safe(later);
         }
     }
 }
