@@ -250,7 +250,7 @@ impl PlantMachine for ProgramMachine {
             StopReason::Budget { .. } => {
                 Err(format!("{}: a cycle that does not end: {MOST_OPERATIONS} operations are over", here()))
             }
-            StopReason::Touched | StopReason::Break | StopReason::Service { .. } => {
+            StopReason::Touched { .. } | StopReason::Break | StopReason::Service { .. } => {
                 Err(format!("{}: the program stopped", here()))
             }
         }
