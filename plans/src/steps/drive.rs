@@ -132,7 +132,8 @@ fn read_release(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Optio
 
 fn read_write(node: &Node, scope: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> {
     let (of, written) = pair(&table_fields(node, WRITE_KEYS)?, "of", scope, out)?;
-    // A place of memory has no unit: a duration is written as the nanoseconds that it holds.
-    let value = written.value().map_or(written, Literal::Value);
+    // What a unit means is known where the variable's type is: a place of memory has none, and a TIME there counts milliseconds.
+    let has_unit = written.quantity().is_some_and(|quantity| !quantity.unit.is_none());
+    let value = if has_unit { written } else { written.value().map_or(written, Literal::Value) };
     Some(Stimulus::Write { of, value })
 }

@@ -119,8 +119,12 @@ pub(super) fn plan_step(
             };
             let Some(value) = written else {
                 let plain = value.quantity().is_some_and(|quantity| quantity.unit.is_none());
+                let is_place = matches!(observable.probe, Probe::Address(_));
                 let help = match plain {
                     true => "a number that is written has at most 64 bits",
+                    false if is_place => {
+                        "write TRUE, FALSE or a number without a unit: a place, and a variable at one, has bits alone"
+                    }
                     false => {
                         "write TRUE, FALSE or a number without a unit; a variable of type TIME takes a duration, as in \"500 ms\""
                     }
