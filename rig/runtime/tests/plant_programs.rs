@@ -210,8 +210,8 @@ fn one_program_is_several_plants() {
     crate::texts::expect(&result, Verdict::Pass);
     let second = |n: i64| Time::from_nanos(n * 1_000_000_000).as_nanos();
     let value = |name: &str, at: i64| {
-        let until = changes(&result, name).into_iter().filter(|(when, _)| *when <= second(at));
-        until.last().map(|(_, value)| value)
+        let mut until = changes(&result, name).into_iter().filter(|(when, _)| *when <= second(at));
+        until.next_back().map(|(_, value)| value)
     };
     assert_eq!((value("x", 10), value("y", 10)), (Some(Value::Real(10.0)), Some(Value::Real(-40.0))));
 }
