@@ -418,7 +418,7 @@ fn the_images_in_every_width() {
     board.watched = Some(signal::Address::parse("%MX5.0").unwrap());
     machine.begin(0);
     let slice = machine.resume(0, Time::ZERO, Span::from_secs(1), &mut board);
-    assert_eq!((slice.stop, slice.used), (StopReason::Touched { file: 0, line: 2 }, Span::from_nanos(10)));
+    assert_eq!((slice.stop, slice.used), (StopReason::Touched { file: 0, line: 1 }, Span::from_nanos(10)));
 }
 
 #[test]
