@@ -22,7 +22,7 @@ const TOLD_TO_BE_BOARDS: [&str; 4] = ["format.toml", "missing_key.toml", "newer_
 const OF_INVENTED_TERMINALS: [(&str, &str); 1] = [("binding.toml", "B0305 13:10")];
 
 /// Any wire of the ring may be the one that is named.
-const ANYWHERE: [&str; 1] = ["ring.toml"];
+const ANYWHERE: [&str; 2] = ["ring.toml", "ring_one_way.toml"];
 
 /// Paths of the broken files, relative to the repository.
 fn broken_files() -> Vec<String> {
@@ -81,6 +81,10 @@ fn broken_files_are_refused_at_their_places() {
     for path in &files {
         let name = path.rsplit('/').next().unwrap();
         let text = std::fs::read_to_string(root().join(path)).unwrap();
+        // The tests of the drivers play programs of plants, without files.
+        if text.contains("kind = \"program\"") {
+            continue;
+        }
         let mut expected = expected(&text);
         let ran = run(check(path));
         let mut reported = reported(&ran.err);

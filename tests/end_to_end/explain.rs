@@ -105,6 +105,7 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("R0310", "a board with a generator"),
     ("R0315", "a board file beside the plan"),
     ("R0316", "a machine with real lines"),
+    ("R0267", "a board that drives a terminal"),
     ("R0331", "a board with a plant"),
     ("R0332", "a board with a plant"),
     ("R0333", "a board with a plant"),
