@@ -43,7 +43,8 @@ delay = \"1 s\"
 fn found(board: &str, plant: &str, parameter: &str, value: &str) -> Vec<String> {
     let plan = format!(
         "format = 1\ntitle = \"A plan\"\nprogram-text = \"PROGRAM MAIN END_PROGRAM\"\nboard = \"board.toml\"\n\
-         steps = [{{ id = \"set\", at = \"start + 1 s\", set-plant = {{ plant = \"{plant}\", parameter = \"{parameter}\", value = {value} }} }}]\n"
+         steps = [{{ id = \"set\", at = \"start + 1 s\", set-plant = {{ plant = \"{plant}\", parameter = \"{parameter}\", value = {value} }} }}]\n\
+         expect = [{{ state = {{ stays = \"RUNNING\" }} }}]\n"
     );
     let (loaded, jobs) = Texts(&[("plan.toml", &plan), ("board.toml", board)]).load(1);
     let case = loaded.plan.case(0).unwrap();
@@ -68,7 +69,7 @@ fn parameters_of_plants_are_checked() {
             "tank",
             "leak",
             "2",
-            "R0333 `leak` of the plant `tank` cannot be 2: write a flow such as \"2 l/min\"",
+            "R0333 `leak` of the plant `tank` cannot be 2: write a flow such as \"2 l/min\" or \"7.2 m3/h\"",
         ),
         (
             "tank",
