@@ -2,7 +2,6 @@
 
 use crate::texts::Texts;
 use document::Diagnostic;
-use scanrig_runtime::case::check_case;
 
 const PROGRAM: &str = "PROGRAM MAIN
 VAR
@@ -45,10 +44,8 @@ switches = [{ channel = \"I5\", on-above = 4, off-below = 3 }]
 fn found(text: &str) -> Vec<String> {
     let plan =
         format!("format = 1\ntitle = \"A plan\"\nprogram = \"a.st\"\nboard = \"board.toml\"\n{text}\n");
-    let (loaded, jobs) = Texts(&[("plan.toml", &plan), ("a.st", PROGRAM), ("board.toml", BOARD)]).load(1);
-    let case = loaded.plan.case(0).unwrap();
-    let files = loaded.files(&case, &jobs[0]).unwrap();
-    let (Ok(found) | Err(found)) = check_case(&case, &files);
+    let files = [("plan.toml", plan.as_str()), ("a.st", PROGRAM), ("board.toml", BOARD)];
+    let (Ok(found) | Err(found)) = Texts(&files).checked();
     found.iter().map(|one| format!("{} {}", one.code, one.message)).collect()
 }
 
@@ -98,10 +95,7 @@ fn with_modules(text: &str, binds: &str, program: &str) -> Result<Vec<Diagnostic
          [settings]\nmodules = [\"TM3DI8\", {{ type = \"TM3AI4\", inputs = [\"0..10 V\"] }}, {{ type = \"TM3AQ2\", outputs = [\"0..10 V\"] }}]\n"
     );
     let text = program.replace("small : USINT;", "small : USINT; go : BOOL; r : REAL;");
-    let (loaded, jobs) = Texts(&[("plan.toml", &plan), ("a.st", &text)]).load(1);
-    let case = loaded.plan.case(0).unwrap();
-    let files = loaded.files(&case, &jobs[0]).unwrap();
-    check_case(&case, &files)
+    Texts(&[("plan.toml", &plan), ("a.st", &text)]).checked()
 }
 
 #[test]
@@ -216,9 +210,8 @@ fn a_board_that_drives_an_unused_terminal_gives_a_warning() {
         );
         let plan = "format = 1\ntitle = \"A plan\"\nprogram = \"a.st\"\nboard = \"board.toml\"\nexpect = [{ state = { stays = \"RUNNING\" } }]\n\
                     [settings]\nmodules = [{ type = \"TM3AI4\", inputs = [\"0..10 V\"] }]\n";
-        let (loaded, jobs) = Texts(&[("plan.toml", plan), ("a.st", PROGRAM), ("board.toml", &board)]).load(1);
-        let case = loaded.plan.case(0).unwrap();
-        let found = check_case(&case, &loaded.files(&case, &jobs[0]).unwrap()).unwrap();
+        let files = [("plan.toml", plan), ("a.st", PROGRAM), ("board.toml", board.as_str())];
+        let found = Texts(&files).checked().unwrap();
         let shown: Vec<String> = found.iter().map(|one| format!("{} {}", one.code, one.message)).collect();
         assert_eq!(shown, if wanted.is_empty() { vec![] } else { vec![wanted] }, "{terminal}");
     }

@@ -257,3 +257,33 @@ fn what_a_check_refuses_is_not_asked_of_it() {
         other => panic!("{other:#?}"),
     }
 }
+
+/// A plant is the bench's, whatever controller is at it.
+#[test]
+fn a_plant_at_a_real_controller_is_set_as_any_other() {
+    let oven = "[channels.warmth]
+kind = \"analog\"
+unit = \"degC\"
+[[plants]]
+kind = \"lag\"
+name = \"oven\"
+input = \"Q4\"
+output = \"warmth\"
+low = 20
+high = 100
+tau = \"1 ms\"
+sample = \"1 ms\"
+";
+    let rest = "steps = [
+  { id = \"heat\", at = \"start + 1 s\", set = { signal = \"button\", value = true } },
+  { id = \"weak\", at = \"heat + 1 s\", set-plant = { plant = \"oven\", parameter = \"high\", value = \"60 degC\", duration = \"1 s\" } },
+]
+ends = \"weak.done + 1 s\"
+expect = [
+  { stays = { signal = \"warmth\", is = \"100 degC\", from = \"heat + 100 ms\", until = \"weak\" } },
+  { stays = { signal = \"warmth\", is = \"60 degC\", from = \"weak + 100 ms\", until = \"weak.done\" } },
+  { stays = { signal = \"warmth\", is = \"100 degC\", from = \"weak.done + 100 ms\" } },
+]
+";
+    expect(&run(&format!("{LINES}{oven}"), rest), Verdict::Pass);
+}

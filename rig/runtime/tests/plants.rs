@@ -1,11 +1,6 @@
-//! Steps that set parameters of plants: as they are checked before anything moves, and with a controller that is not the rig's own.
+//! Steps that set parameters of plants, as they are checked before anything moves.
 
-use std::sync::atomic::AtomicBool;
-
-use crate::texts::{Texts, expect};
-use record::Verdict;
-use scanrig_runtime::case::check_case;
-use scanrig_runtime::{ClockKind, RunOptions};
+use crate::texts::Texts;
 
 const BOARD: &str = "format = 1
 title = \"A bench\"
@@ -46,10 +41,7 @@ fn found(board: &str, plant: &str, parameter: &str, value: &str) -> Vec<String> 
          steps = [{{ id = \"set\", at = \"start + 1 s\", set-plant = {{ plant = \"{plant}\", parameter = \"{parameter}\", value = {value} }} }}]\n\
          expect = [{{ state = {{ stays = \"RUNNING\" }} }}]\n"
     );
-    let (loaded, jobs) = Texts(&[("plan.toml", &plan), ("board.toml", board)]).load(1);
-    let case = loaded.plan.case(0).unwrap();
-    let files = loaded.files(&case, &jobs[0]).unwrap();
-    let (Ok(found) | Err(found)) = check_case(&case, &files);
+    let (Ok(found) | Err(found)) = Texts(&[("plan.toml", &plan), ("board.toml", board)]).checked();
     found.iter().map(|one| format!("{} {}: {}", one.code, one.message, one.help)).collect()
 }
 
@@ -104,60 +96,4 @@ fn parameters_of_plants_are_checked() {
         found(empty, "tank", "leak", "0")[0]
             .starts_with("R0331 the board has no plant `tank`: give the plan")
     );
-}
-
-/// A controller whose program lets Q4 follow I0 within 20 ms, and an oven at Q4 that is the bench's.
-const EXTERNAL: &str = "format = 1
-[board]
-kind = \"simulated\"
-[subject]
-kind = \"external\"
-power = \"supply\"
-alarm = \"running\"
-off = \"2 s\"
-[channels]
-supply = { kind = \"digital\", safe = false }
-running = { kind = \"digital\" }
-warmth = { kind = \"analog\", unit = \"degC\" }
-[[wires]]
-from = \"supply\"
-to = \"running\"
-delay = \"1500 ms\"
-[[wires]]
-from = \"I0\"
-to = \"Q4\"
-delay = \"20 ms\"
-[[plants]]
-kind = \"lag\"
-name = \"oven\"
-input = \"Q4\"
-output = \"warmth\"
-low = 20
-high = 100
-tau = \"1 ms\"
-sample = \"1 ms\"
-";
-
-#[test]
-fn a_plant_at_a_real_controller_is_set_as_any_other() {
-    let plan = "format = 1
-title = \"A plan\"
-program-text = \"PROGRAM MAIN lamp := button; END_PROGRAM\"
-board = \"board.toml\"
-signals = { button = \"%IX0.0\", warmth = \"warmth\" }
-steps = [
-  { id = \"heat\", at = \"start + 1 s\", set = { signal = \"button\", value = true } },
-  { id = \"weak\", at = \"heat + 1 s\", set-plant = { plant = \"oven\", parameter = \"high\", value = \"60 degC\", duration = \"1 s\" } },
-]
-ends = \"weak.done + 1 s\"
-expect = [
-  { stays = { signal = \"warmth\", is = \"100 degC\", from = \"heat + 100 ms\", until = \"weak\" } },
-  { stays = { signal = \"warmth\", is = \"60 degC\", from = \"weak + 100 ms\", until = \"weak.done\" } },
-  { stays = { signal = \"warmth\", is = \"100 degC\", from = \"weak.done + 100 ms\" } },
-]
-";
-    let interrupt = AtomicBool::new(false);
-    let options = RunOptions::new(ClockKind::Virtual, &interrupt);
-    let result = Texts(&[("plan.toml", plan), ("board.toml", EXTERNAL)]).run(1, &options);
-    expect(&result, Verdict::Pass);
 }

@@ -10,7 +10,7 @@ use signal::Time;
 pub(super) enum EventSource {
     /// Changes of the board.
     Board,
-    /// Changes of inputs that the modelled time had not reached when they were seen.
+    /// Changes of inputs that the modelled time had not reached when they were seen, and the end of what was polled ahead.
     Inputs,
     /// What came on the buses of the controller's ports.
     Ports,
@@ -56,9 +56,7 @@ impl EventSource {
     #[inline]
     pub(super) fn next(self, executor: &Executor<'_>) -> Option<Time> {
         match self {
-            EventSource::Board => {
-                executor.parts.board.next_event().into_iter().chain(executor.lines.ahead_until()).min()
-            }
+            EventSource::Board => executor.parts.board.next_event(),
             EventSource::Inputs => executor.lines.next(),
             EventSource::Ports => executor.ports.next(),
             EventSource::Edges => executor.awaited.edges.next(),

@@ -94,16 +94,12 @@ impl RealLines {
         }
     }
 
-    /// When the next change of an input is due.
+    /// When the next change of an input is due, or the trace and the steps are to get what was polled ahead.
     #[inline]
     pub(super) fn next(&self) -> Option<Time> {
-        self.pending.front().map(|pending| pending.at.latest)
-    }
-
-    /// When the trace and the steps are due to get what the board reported before the modelled time was there.
-    #[inline]
-    pub(super) fn ahead_until(&self) -> Option<Time> {
-        self.ahead_until
+        let Some(pending) = self.pending.front() else { return self.ahead_until };
+        let at = pending.at.latest;
+        Some(self.ahead_until.map_or(at, |until| at.min(until)))
     }
 
     /// The subject wrote a channel at this instant, or by so much earlier, and the rig was at the other one by then.
@@ -171,8 +167,7 @@ impl Executor<'_> {
             }
             self.lines.ahead_until = Some(reached);
         }
-        let seen = self.lines.next().into_iter().chain(self.lines.ahead_until).min();
-        let seen = seen.map(|seen| seen.max(self.now)).filter(|seen| *seen <= reached);
+        let seen = self.lines.next().map(|seen| seen.max(self.now)).filter(|seen| *seen <= reached);
         self.lines.is_seen = seen.is_some();
         Ok(seen.unwrap_or(reached))
     }

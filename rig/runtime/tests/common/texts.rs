@@ -12,6 +12,7 @@ use scanrig_runtime::application::bundle::{Bundle, TaskPrograms};
 use scanrig_runtime::application::compile;
 use scanrig_runtime::application::functions;
 use scanrig_runtime::application::store::MemoryStore;
+use scanrig_runtime::case::check_case;
 use scanrig_runtime::case::jobs::{self, JobResult};
 use scanrig_runtime::executor::clock::Clock;
 use scanrig_runtime::executor::recorder::Recorder;
@@ -47,6 +48,14 @@ impl Texts<'_> {
         let loaded = loaded.unwrap_or_else(|found| panic!("{found:#?}"));
         let jobs = loaded.jobs(0, seed, 1);
         (loaded, jobs)
+    }
+
+    /// What the check finds of the plan's first case; `Err` where it is refused.
+    pub fn checked(&self) -> Result<Vec<Diagnostic>, Vec<Diagnostic>> {
+        let (loaded, jobs) = self.load(1);
+        let case = loaded.plan.case(jobs[0].case).unwrap();
+        let files = loaded.files(&case, &jobs[0]).unwrap();
+        check_case(&case, &files)
     }
 
     /// What became of the plan's only case.
