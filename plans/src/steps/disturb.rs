@@ -96,8 +96,8 @@ const MODULE_KEYS: &[KeySpec] = &[
     KeySpec::required("index", KeyType::Integer(0, 13), "The index of the module in TM3_MODULE_R."),
     KeySpec::required(
         "kind",
-        KeyType::Choice(&["silent", "pulled", "replaced", "disturbs"]),
-        "What is wrong: it does not answer, is pulled out, is another one, or disturbs those beside it.",
+        KeyType::Choice(&["silent", "pulled", "replaced", "disturbs", "unsupplied"]),
+        "What is wrong: it does not answer, is pulled out, is another one, disturbs those beside it, or its own supply is off.",
     ),
     KeySpec::optional(
         "exchanges",
@@ -189,6 +189,7 @@ fn read_module(node: &Node, _: &dyn StepNames, out: &mut Findings) -> Option<Sti
     let fault = match kind {
         "pulled" => ModuleFaultKind::Pulled,
         "disturbs" => ModuleFaultKind::Disturbs,
+        "unsupplied" => ModuleFaultKind::Unsupplied,
         "replaced" if !on => ModuleFaultKind::Replaced(None),
         "replaced" => match fields.get("type") {
             Some(place) => ModuleFaultKind::Replaced(Some(on_bus(place, out)?)),

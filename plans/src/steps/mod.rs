@@ -198,6 +198,8 @@ pub enum ModuleFaultKind {
     Replaced(Option<&'static ModuleType>),
     /// It does not answer, and disturbs the modules beside it.
     Disturbs,
+    /// Its own supply is off.
+    Unsupplied,
 }
 
 /// What goes wrong inside the controller (controller:ERR-01, controller:WD-14).

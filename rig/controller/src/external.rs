@@ -56,6 +56,8 @@ pub enum ModuleFault {
     Replaced(Option<&'static ModuleType>),
     /// It does not answer and disturbs the exchange with the modules beside it, or stops (io:ERR-15).
     Disturbs(bool),
+    /// Its own supply is off, or there again; nothing for a module without one ([`ModuleType::has_own_supply`]).
+    Unsupplied(bool),
 }
 
 /// What goes wrong inside the controller.

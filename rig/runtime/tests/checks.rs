@@ -281,6 +281,18 @@ fn a_short_circuit_of_an_output_of_a_module_names_the_fault_of_its_line() {
     }
 }
 
+/// Relays and digital inputs work from the bus.
+#[test]
+fn a_module_without_a_supply_of_its_own_cannot_be_without_it() {
+    let of = |index: u8| of_step(&format!("module-fault = {{ index = {index}, kind = \"unsupplied\" }}"));
+    let found = of(0);
+    assert!(
+        found[0].starts_with("R0111") && found[0].contains("TM3DI8 has no supply of its own"),
+        "{found:?}"
+    );
+    assert_eq!([of(1), of(2)], [[""; 0]; 2]);
+}
+
 #[test]
 fn values_that_a_place_a_terminal_or_a_line_does_not_take_are_errors() {
     let (level, word) = ("it takes TRUE or FALSE", "it takes a whole number from -32768 to 65535");

@@ -10,7 +10,7 @@ const KEYS: &str = r#"format = 1
 title = "A part of the manual"
 program = "bench.st"
 board = "bench.toml"
-settings = { modules = ["TM3DI16", "TM3XTRA1", "TM3XREC1"], expert = { HSC0 = { kind = "simple", a = "%IX0.2", mode = "modulo-loop", modulo = 1000 } } }
+settings = { modules = ["TM3DI16", "TM3DQ8T", "TM3XTRA1", "TM3XREC1"], expert = { HSC0 = { kind = "simple", a = "%IX0.2", mode = "modulo-loop", modulo = 1000 } } }
 "#;
 
 /// The names that the lists use.

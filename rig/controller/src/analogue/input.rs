@@ -5,7 +5,7 @@
 
 use super::sampling::Sampling;
 use super::scale::{Converted, InputScale, parts};
-use profile::AnalogueInputSettings;
+use profile::{AnalogueInputSettings, ChannelStatus};
 use signal::{Span, Time, Value};
 
 /// After so many time constants what is left of a change is below the rounding of the value.
@@ -31,6 +31,8 @@ pub(super) struct AnalogueInput {
     /// What the terminal of an open line reads.
     open: Terminal,
     powered: Time,
+    /// The module has its own supply; without it nothing is converted.
+    is_supplied: bool,
     terminal: Terminal,
     /// Since when that is there.
     since: Time,
@@ -59,6 +61,7 @@ impl AnalogueInput {
             sampling,
             open,
             powered: Time::MIN,
+            is_supplied: true,
             terminal: open,
             since: Time::MIN,
             from: 0.0,
@@ -74,6 +77,24 @@ impl AnalogueInput {
         self.due = self.conversion_after(now);
         (self.converted, self.read) = (Converted::default(), Converted::default());
         self.from = self.target().unwrap_or(0.0);
+        if !self.is_supplied {
+            self.supply(now, false);
+        }
+    }
+
+    /// The supply of the module is there or off from `now` on. Without it the last conversion stands, with its status.
+    pub(super) fn supply(&mut self, now: Time, on: bool) {
+        let comes = on && !self.is_supplied;
+        self.is_supplied = on;
+        if comes {
+            self.power_on(now);
+        } else if !on {
+            if now >= self.due {
+                self.advance(now);
+            }
+            self.converted.status = ChannelStatus::Supply;
+            self.due = Time::MAX;
+        }
     }
 
     /// What is at the terminal from `now` on. A line that is not known any more keeps its value.
@@ -101,6 +122,9 @@ impl AnalogueInput {
 
     /// When it is converted first after an instant; an input without instants of its own is whenever it is read.
     fn conversion_after(&self, at: Time) -> Time {
+        if !self.is_supplied {
+            return Time::MAX;
+        }
         self.sampling.map_or(Time::MIN, |sampling| sampling.after(self.powered, at))
     }
 

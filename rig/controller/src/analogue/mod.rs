@@ -85,8 +85,7 @@ impl AnalogueModule {
         self.channels.iter().map(|channel| channel.address).chain(self.status.iter().copied())
     }
 
-    /// The last conversions of its inputs up to `now` -> %I. Of an output no document has a fault that could be made here: its status
-    /// byte is 0.
+    /// The last conversions of its inputs up to `now` -> %I. The only fault of an output is that the module has no supply.
     #[inline]
     pub(crate) fn read(&mut self, now: Time, inputs: &mut Image) {
         let bytes = inputs.bytes_mut();
@@ -100,6 +99,12 @@ impl AnalogueModule {
                 *place = converted.status.code();
             }
         }
+        for Used { status, channel, .. } in &mut self.outputs {
+            let code = channel.read_status().code();
+            if let Some(place) = status.and_then(|status| bytes.get_mut(status.bit_offset() as usize / 8)) {
+                *place = code;
+            }
+        }
     }
 
     /// The status of a channel, inputs before outputs (plcsystem:FUN-90); none beyond the last one. With status bytes in %I it is the
@@ -110,11 +115,15 @@ impl AnalogueModule {
         if channel >= inputs + outputs {
             return None;
         }
-        let found = self.inputs.iter_mut().find(|it| it.number == channel);
-        Some(found.map_or(ChannelStatus::Normal, |it| {
-            let converted = if refreshes { it.channel.read(now) } else { it.channel.last_read() };
-            converted.status
-        }))
+        let input = self.inputs.iter_mut().find(|it| it.number == channel);
+        let output = self.outputs.iter_mut().find(|it| inputs + it.number == channel);
+        Some(match (input, output) {
+            (Some(input), _) if refreshes => input.channel.read(now).status,
+            (Some(input), _) => input.channel.last_read().status,
+            (_, Some(output)) if refreshes => output.channel.read_status(),
+            (_, Some(output)) => output.channel.last_status(),
+            (None, None) => ChannelStatus::Normal,
+        })
     }
 
     /// Its words of %Q -> terminals at `now`.
@@ -125,6 +134,13 @@ impl AnalogueModule {
             channel.write(now, outputs.get(*word) as u16 as i16, || memory.writer(bit));
             self.due = self.due.min(channel.due());
         }
+    }
+
+    /// Its own supply is there or off from `now` on. As it comes, its inputs begin as at power on, and its outputs with the next word
+    /// that is written.
+    pub(crate) fn supply(&mut self, now: Time, on: bool) {
+        self.inputs.iter_mut().for_each(|it| it.channel.supply(now, on));
+        self.each_output(|output| output.supply(now, on));
     }
 
     /// Its outputs are switched to 0 at `now`, by the module itself.

@@ -21,6 +21,10 @@ impl BusModule for AnalogueModule {
         self.clear(now);
     }
 
+    fn supply(&mut self, now: Time, on: bool) {
+        self.supply(now, on);
+    }
+
     fn internal_status(&mut self, now: Time, channel: usize) -> Option<ChannelStatus> {
         self.internal_status(now, channel)
     }

@@ -24,6 +24,10 @@ pub(super) struct DigitalModule {
     outputs: Outputs,
     /// The first byte of %Q, and how many there are.
     output_bytes: (usize, usize),
+    /// The outputs are transistors, which switch a supply of their own.
+    has_own_supply: bool,
+    /// That supply is there.
+    is_supplied: bool,
 }
 
 /// The first byte of channels, and how many bytes they have.
@@ -69,7 +73,14 @@ impl DigitalModule {
             input_bytes: bytes(addresses.digital_inputs),
             outputs: Outputs::new(number, output_bytes.0 * 8, stages, worst_case),
             output_bytes,
+            has_own_supply: module.has_own_supply(),
+            is_supplied: true,
         }
+    }
+
+    /// Whether the outputs have what they switch.
+    fn drives(&self) -> bool {
+        self.is_supplied || !self.has_own_supply
     }
 
     /// Brings an input to `now`.
@@ -143,7 +154,16 @@ impl BusModule for DigitalModule {
         if let Some(bytes) = outputs.bytes().get(first..first + count) {
             word.iter_mut().zip(bytes).for_each(|(to, byte)| *to = *byte);
         }
-        self.outputs.drive(now, ChannelSet::from_image(word) & self.fitted.1, ChannelSet::ALL, memory);
+        let driven = if self.drives() { self.fitted.1 } else { ChannelSet::EMPTY };
+        self.outputs.drive(now, ChannelSet::from_image(word) & driven, ChannelSet::ALL, memory);
+    }
+
+    /// Outputs without a supply are at 0 at once, and follow the next exchange as it is there again.
+    fn supply(&mut self, now: Time, on: bool) {
+        self.is_supplied = on;
+        if !self.drives() {
+            self.outputs.initialize(now);
+        }
     }
 
     fn clear(&mut self, now: Time) {
@@ -158,5 +178,6 @@ impl BusModule for DigitalModule {
         }
         self.moving = ChannelSet::first(self.inputs.len());
         self.outputs.set_delays(stage);
+        self.has_own_supply = module.has_own_supply();
     }
 }

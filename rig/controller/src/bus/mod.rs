@@ -50,6 +50,9 @@ pub(crate) trait BusModule: IoModule {
     /// Its outputs are switched to 0 at `now`, by the module itself.
     fn clear(&mut self, now: Time);
 
+    /// Its own supply is there or off from `now` on. Nothing happens in a module without one.
+    fn supply(&mut self, _now: Time, _on: bool) {}
+
     /// The status of a channel, inputs before outputs, as it is at `now` or was read last; none beyond its last channel and of a
     /// module without such a table (plcsystem:FUN-90, plcsystem:FUN-91).
     fn internal_status(&mut self, _now: Time, _channel: usize) -> Option<ChannelStatus> {
@@ -318,6 +321,7 @@ impl ExpansionBus {
             ModuleFault::Silent(exchanges) => self.positions[place].exchange.silence(exchanges),
             ModuleFault::Pulled(pulled) => self.fitted.pull(place, pulled),
             ModuleFault::Replaced(module) => self.fitted.replace(place, module),
+            ModuleFault::Unsupplied(off) => self.positions[place].module.supply(now, !off),
             ModuleFault::Disturbs(disturbs) => {
                 self.positions[place].exchange.silence(if disturbs { None } else { Some(0) });
                 self.fitted.disturb(place, disturbs);

@@ -7,6 +7,8 @@ pub enum ChannelStatus {
     /// Nothing is wrong.
     #[default]
     Normal,
+    /// The module's own supply is off.
+    Supply,
     /// At or above the limit, or an open sensor.
     OverRange,
     /// At or below the limit: an open loop of 4..20 mA.
@@ -22,6 +24,7 @@ impl ChannelStatus {
     pub const fn code(self) -> u8 {
         match self {
             ChannelStatus::Normal => 0,
+            ChannelStatus::Supply => 4,
             ChannelStatus::OverRange => 5,
             ChannelStatus::UnderRange => 6,
             ChannelStatus::AboveEnd => 8,

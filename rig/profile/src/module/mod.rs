@@ -185,6 +185,14 @@ impl ModuleType {
         matches!(self.family, ModuleFamily::Tm2 | ModuleFamily::Tm3) && !self.kind.is_link()
     }
 
+    /// Whether it has terminals for a supply of its own, which its analogue channels and transistor outputs need (rig definition:
+    /// no document says of each module where it takes its supply from). Relays and safety modules work from the bus.
+    pub fn has_own_supply(&self) -> bool {
+        let transistors =
+            |outputs: &DigitalOutputs| outputs.kind.is_some_and(|kind| kind != DigitalOutputKind::Relay);
+        self.kind == ModuleKind::Analogue || self.digital_outputs.as_ref().is_some_and(transistors)
+    }
+
     /// Number of digital inputs.
     pub fn digital_input_count(&self) -> u32 {
         self.digital_inputs.as_ref().map_or(0, |inputs| inputs.count)

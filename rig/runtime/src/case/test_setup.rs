@@ -56,7 +56,9 @@ impl TestSetup {
     ) -> Result<PreparedCase, Vec<Diagnostic>> {
         let modules = modules::configured(&case.settings.modules);
         let linked = modules.iter().any(|one| one.module.kind.is_link());
-        let modules: Vec<usize> = module_indices(&modules).into_iter().flatten().collect();
+        let indices = module_indices(&modules);
+        let modules: Vec<_> =
+            indices.into_iter().zip(&modules).filter_map(|(index, one)| Some((index?, one.module))).collect();
         let mut bench = TestBench {
             modules: &modules,
             linked,

@@ -26,7 +26,7 @@ use plans::Case;
 use plans::signals::{SignalBinding, SignalSource};
 use plans::steps::{CasePart, ProgramRef};
 use plans::steps::{Question, Stimulus};
-use profile::{Profile, Reference};
+use profile::{ModuleType, Profile, Reference};
 use signal::{SignalId, SignalInfo, Span, Trace, ValueKind};
 use signals::{by_clock, channel_info, clocked, define, delayed, policy};
 use std::sync::Arc;
@@ -47,8 +47,8 @@ pub struct TestBench<'a> {
     pub profile: Profile,
     /// The subject's reference.
     pub reference: &'static Reference,
-    /// The indices of the expansion modules that are configured.
-    pub modules: &'a [usize],
+    /// The expansion modules that are configured, with their indices in TM3_MODULE_R.
+    pub modules: &'a [(usize, &'static ModuleType)],
     /// Transmitter and receiver are configured.
     pub linked: bool,
     /// The application that a download step transfers where it names none; empty where there is none.

@@ -322,14 +322,20 @@ fn disturbance(
         }),
         DisturbanceKind::Module { index, fault } => {
             let index = usize::from(index);
-            if !bench.modules.contains(&index) {
-                let known: Vec<String> = bench.modules.iter().map(usize::to_string).collect();
+            let Some((_, module)) = bench.modules.iter().find(|(known, _)| *known == index) else {
+                let known: Vec<String> = bench.modules.iter().map(|(index, _)| index.to_string()).collect();
                 let help = match known.is_empty() {
                     true => String::from("configure modules in `settings`"),
                     false => format!("those with a module are {}", known.join(", ")),
                 };
                 let message = format!("no module is configured at index {index}");
                 out.error(codes::NO_MODULE, step.span.clone(), message, help);
+                return None;
+            };
+            if fault == ModuleFaultKind::Unsupplied && !module.has_own_supply() {
+                let message = format!("{} has no supply of its own", module.reference);
+                let help = "modules with analogue channels or transistor outputs have one; `supply-bus` is the supply of the bus";
+                out.error(codes::FAULT_NOT_AVAILABLE, step.span.clone(), message, help);
                 return None;
             }
             let fault = match fault {
@@ -339,6 +345,7 @@ fn disturbance(
                 ModuleFaultKind::Pulled => ModuleFault::Pulled(on),
                 ModuleFaultKind::Replaced(module) => ModuleFault::Replaced(module.filter(|_| on)),
                 ModuleFaultKind::Disturbs => ModuleFault::Disturbs(on),
+                ModuleFaultKind::Unsupplied => ModuleFault::Unsupplied(on),
             };
             Disturbance::Module { index, fault }
         }

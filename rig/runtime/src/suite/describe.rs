@@ -228,6 +228,7 @@ fn show_module_fault(fault: &ModuleFaultKind) -> String {
         ModuleFaultKind::Replaced(Some(module)) => format!("is replaced by {}", module.reference),
         ModuleFaultKind::Replaced(None) => String::from("is replaced"),
         ModuleFaultKind::Disturbs => String::from("disturbs those beside it"),
+        ModuleFaultKind::Unsupplied => String::from("has no supply of its own"),
     }
 }
 
