@@ -1,6 +1,6 @@
 //! Where variables of the application are, and how they fill registers.
 
-use signal::{Address, Size, Value};
+use signal::{Address, Size, Value, of_single};
 
 /// How a variable of the application fills registers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,7 +41,7 @@ impl RegisterFormat {
         match self {
             RegisterFormat::Bit => Value::Bool(bits & 1 != 0),
             RegisterFormat::Whole(_) => Value::Word(bits),
-            RegisterFormat::Real => Value::Real(f64::from(f32::from_bits(bits as u32))),
+            RegisterFormat::Real => Value::Real(of_single(f32::from_bits(bits as u32))),
             RegisterFormat::Long => Value::Real(f64::from_bits(bits)),
         }
     }

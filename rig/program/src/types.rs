@@ -1,6 +1,6 @@
 //! The elementary types and how their values sit in 64-bit cells.
 
-use signal::{Size, Value};
+use signal::{Size, Value, of_single};
 
 /// An elementary type (controller:DT-01). Every value of one fits one 64-bit cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -238,11 +238,11 @@ impl Elementary {
         }
     }
 
-    /// A cell as the value that plans and traces speak of; TIME in nanoseconds.
-    pub(crate) const fn value(self, cell: i64) -> Value {
+    /// A cell as the value that plans and traces speak of; TIME in nanoseconds, a REAL as the decimal that it stands for.
+    pub(crate) fn value(self, cell: i64) -> Value {
         match self {
             Bool => Value::Bool(cell & 1 == 1),
-            Real => Value::Real(f32::from_bits(cell as u32) as f64),
+            Real => Value::Real(of_single(f32::from_bits(cell as u32))),
             Lreal => Value::Real(f64::from_bits(cell as u64)),
             Ulint | Byte | Word | Dword | Lword => Value::Word(cell as u64),
             _ => match self.nanos() {

@@ -242,8 +242,11 @@ fn long_programs_and_names_are_reported() {
 
 #[test]
 fn large_arrays_are_refused_at_once() {
-    for array in ["ARRAY[0..100000000] OF INT", "ARRAY[0..2147483647, 0..2147483647, 0..2147483647] OF BOOL"]
-    {
+    for array in [
+        "ARRAY[0..100000000] OF INT",
+        "ARRAY[0..2147483647, 0..2147483647, 0..2147483647] OF BOOL",
+        "ARRAY[-9223372036854775808..9223372036854775807] OF BYTE",
+    ] {
         let text = format!("PROGRAM MAIN VAR a : {array}; END_VAR END_PROGRAM");
         assert_eq!(codes(&text), ["S0502"], "{array}");
     }

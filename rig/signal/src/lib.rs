@@ -14,6 +14,7 @@ mod quantity;
 mod random;
 mod recording;
 mod serial;
+mod single;
 mod time;
 pub mod trace;
 mod value;
@@ -32,6 +33,7 @@ pub use recording::SignalRecording;
 pub use serial::{
     MAX_SERIAL_DATA, Parity, SerialErrors, SerialFlaw, SerialMessage, SerialOutput, SerialSettings,
 };
+pub use single::of_single;
 pub use time::{Span, Time};
 pub use trace::{Cursor, Events, EventsBetween, LoadLimits, Spill, Trace, TraceError};
 pub use value::{Level, Value};

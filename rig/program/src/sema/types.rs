@@ -377,7 +377,8 @@ impl Sema<'_> {
 /// Elements of an array in all.
 pub(super) fn elements(dimensions: &[(i64, i64)]) -> u64 {
     dimensions.iter().fold(1u64, |n, (low, high)| {
-        n.saturating_mul(u64::try_from(i128::from(*high) - i128::from(*low) + 1).unwrap_or(0))
+        let width = i128::from(*high) - i128::from(*low) + 1;
+        n.saturating_mul(u64::try_from(width).unwrap_or(if width < 0 { 0 } else { u64::MAX }))
     })
 }
 
