@@ -19,6 +19,7 @@ VAR
     lamp AT %QX0.0 : BOOL;
     count : INT;
     part : REAL := 0.5;
+    level : INT;
 END_VAR
 lamp := button;
 count := count + 1;
@@ -46,6 +47,17 @@ fn forces_outlast_the_command_that_set_them() {
     assert!(status.contains("%QX0.3 = TRUE") && !status.contains("%IX0.0 ="), "{status}");
     stepped.expect(0, &["release", "--all"]);
     assert!(!stepped.expect(0, &["status"]).out.contains("forced"));
+}
+
+/// `level` is a variable of the program as well, which is named `MAIN.level` then.
+#[test]
+fn a_line_has_its_unit_and_can_be_let_go() {
+    let (_bench, stepped) = rig();
+    let read = || stepped.expect(0, &["read", "level"]).out;
+    stepped.expect(0, &["write", "level=2 V"]);
+    assert_eq!(read(), "level  2 V\n");
+    stepped.expect(0, &["write", "level=Z"]);
+    assert_eq!(read(), "level  Z\n");
 }
 
 #[test]
@@ -76,7 +88,10 @@ fn what_cannot_be_is_refused_before_anything_moves() {
     };
     refused(&["force", "Q0=1", "Q1"], &["R0649", "NAME=VALUE"]);
     refused(&["force", "Q0=1", "Q1=?"], &["R0649"]);
+    refused(&["force", "Q0=1", "Q1=5 V"], &["R0649", "no unit"]);
+    refused(&["force", "Q0=T#5s"], &["R0649", "no unit"]);
     refused(&["write", "level=2 bar"], &["R0649", "unit V"]);
+    refused(&["write", "levle=2 V"], &["R0601", "level"]);
     refused(&["write", "state=RUNNNING"], &["R0649", "RUNNING"]);
     refused(&["write", "MAIN.cuont=3"], &["R0601", "MAIN.count"]);
     refused(&["write", "MAIN.count=40000"], &["R0603", "32767"]);

@@ -3,7 +3,7 @@
 use super::CtlError;
 use crate::exit::ExitStatus;
 use crate::output;
-use control::{ControlClient, Description, RequestOperation, SignalKind, WireValue};
+use control::{ControlClient, Description, RequestOperation, SignalKind, SignalValues, WireValue};
 use document::Diagnostic;
 use plans::Literal;
 use signal::{SignalInfo, Value, ValueKind};
@@ -25,6 +25,18 @@ pub fn pair(client: &mut ControlClient, words: &str) -> Result<(String, WireValu
     }
 }
 
+/// Reads `NAME=VALUE` of what is forced: levels, and the counts of analogue channels, which have no unit.
+pub fn forced(client: &mut ControlClient, words: &str) -> Result<(String, WireValue), CtlError> {
+    let literal = words.split_once('=').and_then(|(_, text)| Literal::parse(text).ok());
+    let has_unit = |literal: Literal| literal.quantity().is_some_and(|quantity| !quantity.unit.is_none());
+    if literal.is_some_and(has_unit) {
+        let help =
+            "force an analogue channel to its counts, a whole number; `rig modules` says what they stand for";
+        return Err(refuse(words, "what is forced is an image, which has no unit", help));
+    }
+    pair(client, words)
+}
+
 /// Reads the value of a name. The rig is asked for what it means only where units and labels matter.
 pub fn of(client: &mut ControlClient, name: &str, words: &str, text: &str) -> Result<WireValue, CtlError> {
     let help = "write a number, TRUE, 16#0010, T#500ms, a quantity such as '24 V', the name of a state, or Z";
@@ -35,29 +47,21 @@ pub fn of(client: &mut ControlClient, name: &str, words: &str, text: &str) -> Re
     if matches!(&literal, Literal::Label(label) if label.eq_ignore_ascii_case("z")) {
         return Ok(WireValue(Value::HighZ));
     }
-    let described: Description = client.ask(RequestOperation::Describe)?;
-    let info = info(&described, name);
+    let info = info(client, name)?;
     plans::value_of(&literal, &info).map(WireValue).map_err(|why| refuse(words, &why, help))
 }
 
-/// What is known of a signal by its name, in any case of letters.
-fn info(described: &Description, name: &str) -> SignalInfo {
-    let known = described.signal(name);
-    let line = |channel: &&control::ChannelInfo| channel.name.eq_ignore_ascii_case(name);
-    let channel = described.points.iter().filter_map(|point| point.channel.as_ref()).find(line);
-    let kind = match (known, channel) {
-        (Some(signal), _) => kind(signal.kind),
-        (None, Some(_)) => ValueKind::Real,
-        (None, None) => ValueKind::Int,
+/// What is known of a name; the rig itself refuses one that it does not know.
+fn info(client: &mut ControlClient, name: &str) -> Result<SignalInfo, CtlError> {
+    let described: Description = client.ask(RequestOperation::Describe)?;
+    let Some(signal) = described.named(name) else {
+        client.ask::<SignalValues>(RequestOperation::Read { names: vec![name.to_owned()] })?;
+        return Ok(SignalInfo::exact(name, ValueKind::Int));
     };
-    let mut info = SignalInfo::exact(name, kind);
-    if let Some(signal) = known {
-        info.unit.clone_from(&signal.unit);
-        info.labels.clone_from(&signal.labels);
-    } else if let Some(channel) = channel {
-        info.unit.clone_from(&channel.unit);
-    }
-    info
+    let mut info = SignalInfo::exact(name, kind(signal.kind));
+    info.unit.clone_from(&signal.unit);
+    info.labels.clone_from(&signal.labels);
+    Ok(info)
 }
 
 const fn kind(kind: SignalKind) -> ValueKind {

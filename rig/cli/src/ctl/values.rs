@@ -5,11 +5,10 @@ use super::{CtlError, interrupt, value};
 use crate::exit::ExitStatus;
 use crate::output;
 use clap::Args;
-use control::{
-    ControlClient, Description, Done, Forces, RequestOperation, Signal, SignalKind, SignalValues, WireValue,
-};
+use control::{ControlClient, Description, Done, Forces, RequestOperation, Signal, SignalValues, WireValue};
 use serde_json::{Map, json};
 use signal::Span;
+use std::borrow::Cow;
 use std::time::{Duration, Instant};
 
 /// How long an interrupt may go unseen.
@@ -51,21 +50,7 @@ pub fn read(client: &mut ControlClient, args: &ReadArgs) -> Result<ExitStatus, C
 
 /// The value with what the description knows of its signal.
 fn shown(it: &Description, name: &str, WireValue(value): WireValue) -> String {
-    if let Some(signal) = it.signal(name) {
-        return show::value(value, signal);
-    }
-    let channels = it.points.iter().filter_map(|point| point.channel.as_ref());
-    let unit =
-        channels.into_iter().find(|line| line.name.eq_ignore_ascii_case(name)).map(|line| line.unit.clone());
-    let line = Signal {
-        number: 0,
-        name: name.to_owned(),
-        kind: SignalKind::Real,
-        unit: unit.unwrap_or_default(),
-        labels: Vec::new(),
-        writable: false,
-    };
-    show::value(value, &line)
+    show::value(value, &it.named(name).unwrap_or_else(|| Cow::Owned(Signal::unlisted(name, ""))))
 }
 
 /// `rig ctl write`.
@@ -78,15 +63,12 @@ pub struct WriteArgs {
 
 /// Writes values, one after the other.
 pub fn write(client: &mut ControlClient, args: &WriteArgs) -> Result<ExitStatus, CtlError> {
-    for (name, value) in pairs(client, &args.pairs)? {
+    // What cannot be read is refused before anything moves.
+    let pairs = args.pairs.iter().map(|words| value::pair(client, words)).collect::<Result<Vec<_>, _>>()?;
+    for (name, value) in pairs {
         client.ask::<Done>(RequestOperation::Write { name, value })?;
     }
     Ok(ExitStatus::Passed)
-}
-
-/// All pairs: what cannot be read is refused before anything moves.
-fn pairs(client: &mut ControlClient, words: &[String]) -> Result<Vec<(String, WireValue)>, CtlError> {
-    words.iter().map(|words| value::pair(client, words)).collect()
 }
 
 /// `rig ctl force`.
@@ -103,7 +85,8 @@ pub struct ForceArgs {
 
 /// Forces inputs and outputs.
 pub fn force(client: &mut ControlClient, args: &ForceArgs) -> Result<ExitStatus, CtlError> {
-    let pairs = pairs(client, &args.pairs)?;
+    let pairs = args.pairs.iter().map(|words| value::forced(client, words));
+    let pairs = pairs.collect::<Result<Vec<_>, _>>()?;
     let Some(lasts) = args.lasts else {
         for (name, value) in pairs {
             client.ask::<Done>(RequestOperation::Force { name, value })?;

@@ -1,6 +1,7 @@
 //! What a rig is: reported once, when somebody connects or asks.
 
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// The first line of a rig.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -80,13 +81,24 @@ pub struct Description {
 }
 
 impl Description {
-    /// The listed signal of this name, in any case of letters. A variable may be named without its program.
+    /// The listed signal of this name, in any case of letters.
     pub fn signal(&self, name: &str) -> Option<&Signal> {
-        let whole = |signal: &&Signal| signal.name.eq_ignore_ascii_case(name);
+        self.signals.iter().find(|signal| signal.name.eq_ignore_ascii_case(name))
+    }
+
+    /// What is known of a name in the order in which the rig looks names up, in any case of letters: a listed signal, a line of the
+    /// board, a variable that is named without its program.
+    pub fn named(&self, name: &str) -> Option<Cow<'_, Signal>> {
+        let line = |point: &PointInfo| {
+            let channel = point.channel.as_ref().filter(|it| it.name.eq_ignore_ascii_case(name))?;
+            Some(Signal::unlisted(&channel.name, &channel.unit))
+        };
         let inside = |signal: &&Signal| {
             signal.name.split_once('.').is_some_and(|(_, path)| path.eq_ignore_ascii_case(name))
         };
-        self.signals.iter().find(whole).or_else(|| self.signals.iter().find(inside))
+        let signal = self.signal(name).map(Cow::Borrowed);
+        let line = || self.points.iter().find_map(line).map(Cow::Owned);
+        signal.or_else(line).or_else(|| self.signals.iter().find(inside).map(Cow::Borrowed))
     }
 }
 
@@ -200,6 +212,20 @@ pub struct Signal {
     pub writable: bool,
 }
 
+impl Signal {
+    /// A signal that no list has, with a unit or none.
+    pub fn unlisted(name: &str, unit: &str) -> Signal {
+        Signal {
+            number: 0,
+            name: name.to_owned(),
+            kind: SignalKind::Real,
+            unit: unit.to_owned(),
+            labels: Vec::new(),
+            writable: false,
+        }
+    }
+}
+
 /// A task.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TaskInfo {
@@ -282,7 +308,7 @@ mod tests {
         };
         let signals = vec![signal(0, "MAIN.delay.ET"), signal(1, "MAIN.state"), signal(2, "state")];
         let it = Description { signals, ..Description::default() };
-        let number = |name: &str| it.signal(name).map(|signal| signal.number);
+        let number = |name: &str| it.named(name).map(|signal| signal.number);
         assert_eq!(
             [number("main.Delay.et"), number("delay.ET"), number("STATE")],
             [Some(0), Some(0), Some(2)]

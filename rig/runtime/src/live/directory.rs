@@ -176,6 +176,11 @@ impl Directory {
         if !known.writable {
             return Err(fault::not_written(&known.name));
         }
+        // A line of the board is let go: what else drives it shows again.
+        let is_line = matches!(self.source(signal), Some((_, ObservedSource::Channel(_))));
+        if is_line && value == Value::HighZ {
+            return Ok(value);
+        }
         let taken = self.taken(signal, known);
         if !taken.takes(value) {
             return Err(fault::bad_value(&known.name, &taken.to_string()));
