@@ -53,6 +53,18 @@ start + 1.6 s
     assert!(ran.out.starts_with(&text), "{}", ran.out);
 }
 
+/// It fails at the end of the case, by what happens after both stops.
+#[test]
+fn an_invariant_is_open_up_to_the_end() {
+    let bench = TestProject::new();
+    let plan = LAMP.replace("steps = [", "invariants = [{ never = { signal = \"lamp\" } }]\nsteps = [");
+    bench.write("lamp.toml", &plan);
+    let ran = step(&bench, &["lamp.toml"], "until 1.2 s\nclaims\nrun\n");
+    assert_eq!(ran.code, Some(1), "{}", ran.err);
+    assert!(!ran.out.contains("decided: "), "{}", ran.out);
+    assert!(ran.out.contains("          open  `lamp` never TRUE"), "{}", ran.out);
+}
+
 #[test]
 fn stepping_changes_no_trace() {
     let bench = TestProject::new();

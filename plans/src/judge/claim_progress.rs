@@ -42,10 +42,11 @@ impl ClaimProgress {
                 let until = window.limit_until_ns.unwrap_or(window.until_ns[1]);
                 until <= now.as_nanos()
             });
-            let hangs = at_end.get(place).copied().unwrap_or(false);
+            // Invariants and alarms hold to the end, whatever was seen.
+            let is_open = claim.guard || at_end.get(place).copied().unwrap_or(false);
             let verdict = match lost.get(place) {
                 Some(true) => Some(Verdict::Fail),
-                _ if over && !hangs => Some(claim.verdict),
+                _ if over && !is_open => Some(claim.verdict),
                 _ => None,
             };
             ClaimProgress { name: claim.name, verdict }
