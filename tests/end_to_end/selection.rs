@@ -225,3 +225,35 @@ fn jobs_change_nothing_but_the_time() {
     assert_eq!(one, run("2"));
     assert_eq!(one, run("18446744073709551615"));
 }
+
+/// What the plan names of its own board, and a board that is given in its place does not have.
+#[test]
+fn a_case_does_not_apply_on_another_board_without_its_channel_or_plant() {
+    let bench = TestProject::new();
+    let own = "format = 1\n[board]\nkind = \"simulated\"\n[channels]\nlevel = { kind = \"analog\", unit = \"m\" }\n\
+        [[plants]]\nkind = \"tank\"\nname = \"tank\"\narea = \"1 m2\"\nheight = \"2 m\"\nlevel = \"level\"\n";
+    bench.write("own.toml", own);
+    bench.write("other.toml", "format = 1\n[board]\nkind = \"simulated\"\n");
+    let plan = |what: &str| {
+        format!(
+            "format = 1\ntitle = \"A plan\"\nboard = \"own.toml\"\nprogram = \"lamp.st\"\n{what}\nexpect = [{{ state = {{ stays = \"RUNNING\" }} }}]\n"
+        )
+    };
+    for (what, lacks) in [
+        ("signals = { level = { channel = \"level\", record = true } }", "the board has no channel `level`"),
+        (
+            "steps = [{ id = \"fill\", at = \"start + 1 s\", set-plant = { plant = \"tank\", parameter = \"leak\", value = \"1 l/min\" } }]",
+            "the board has no plant `tank`",
+        ),
+    ] {
+        bench.write("lamp.toml", &plan(what));
+        assert_eq!(bench.rig(&["test", "lamp.toml"]).code, Some(0), "{what}");
+        let ran = bench.rig(&["test", "lamp.toml", "--board", "other.toml"]);
+        assert!(
+            ran.out.contains(lacks) && ran.out.contains("1 not applicable"),
+            "{what}: {}{}",
+            ran.out,
+            ran.err
+        );
+    }
+}

@@ -63,8 +63,32 @@ pub fn missing_of_own_board(case: &Case, files: &CaseFiles, board: &dyn Board) -
     found
 }
 
+/// What a plan names of its own board and a board that is given in its place does not have: a channel or a plant.
+fn missing_of_given_board(case: &Case, files: &CaseFiles, board: &dyn Board) -> Option<String> {
+    if files.own_board || case.board.is_none() {
+        return None;
+    }
+    let channel = case.signals.iter().find_map(|binding| match &binding.source {
+        SignalSource::Channel(name) if board.find(name).is_none() => Some(format!("channel `{name}`")),
+        _ => None,
+    });
+    let plants = &files.board.circuit.plants;
+    let plant = || {
+        case.steps.iter().find_map(|step| match &step.stimulus {
+            Stimulus::SetPlant { plant, .. } if plants.iter().all(|known| known.name() != plant) => {
+                Some(format!("plant `{plant}`"))
+            }
+            _ => None,
+        })
+    };
+    channel.or_else(plant).map(|what| format!("the board has no {what}"))
+}
+
 /// Why a case does not apply to this controller on this board, if it does not.
 pub fn not_applicable_reason(case: &Case, files: &CaseFiles, board: &dyn Board) -> Option<String> {
+    if let Some(reason) = missing_of_given_board(case, files, board) {
+        return Some(reason);
+    }
     if let Some(reason) = case
         .signals
         .iter()
