@@ -87,11 +87,11 @@ pub fn write_whole_unsynced(
     fill: &mut dyn FnMut(&mut dyn std::io::Write) -> Result<(), String>,
 ) -> Result<(), String> {
     let fail = |error: std::io::Error| format!("{} cannot be written: {error}", path.display());
-    // One name for the folder: what a killed command left is written over by the next one.
+    // One name for the folder: what a killed command left there is gone with the next one, and so is a pipe of that name, which
+    // would be waited for.
     let unfinished = path.with_file_name(UNFINISHED);
-    let flags = i32::try_from(OFlags::NOFOLLOW.bits()).unwrap_or(0);
-    let file =
-        OpenOptions::new().write(true).create(true).truncate(true).custom_flags(flags).open(&unfinished);
+    let _ = std::fs::remove_file(&unfinished);
+    let file = OpenOptions::new().write(true).create_new(true).open(&unfinished);
     let mut buffered = std::io::BufWriter::with_capacity(BUFFER, file.map_err(fail)?);
     let written = fill(&mut buffered).and_then(|()| buffered.flush().map_err(fail));
     let placed = written.and_then(|()| std::fs::rename(&unfinished, path).map_err(fail));

@@ -132,7 +132,7 @@ fn try_run(args: &JudgeArgs) -> Result<ExitStatus, ExitStatus> {
 fn report(folder: &Path, mut record: CaseRecord, trace: &Trace) -> Result<String, String> {
     let mut folder = ReportFolder::new(folder)?;
     rejudge::add_excerpts(&mut record, trace);
-    record.trace_file = Some(folder.trace(&record, trace)?);
+    record.trace_file = Some(folder.trace(&record, trace, true)?);
     let clock = if trace.note("clock") == Some("real") { RunClock::Real } else { RunClock::Virtual };
     let mut run = RunRecord::new(env!("CARGO_PKG_VERSION"), provenance::now(record.seed, clock));
     run.planned = 1;

@@ -40,7 +40,7 @@ pub(super) fn draw(
             store.waves(&file, &trace).map_err(super::unwritten)?;
         } else {
             let from = path(&run.folder, case).map_err(super::unwritten)?;
-            let path = store.trace(case, &trace).map_err(super::unwritten)?;
+            let path = store.trace(case, &trace, true).map_err(super::unwritten)?;
             store.adopt_frames(&path, &from).map_err(super::unwritten)?;
             case.trace_file = Some(path);
         }

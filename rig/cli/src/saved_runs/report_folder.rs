@@ -63,16 +63,18 @@ impl ReportFolder {
         make(&self.folder.join("traces"))
     }
 
-    /// Keeps a trace, as the rig's own file and as VCD; returns its path relative to the record.
+    /// Keeps a trace, as the rig's own file and with `waves` as VCD; returns its path relative to the record.
     ///
     /// # Errors
     /// Which file cannot be written, and why.
-    pub fn trace(&mut self, record: &CaseRecord, trace: &Trace) -> Result<String, String> {
+    pub fn trace(&mut self, record: &CaseRecord, trace: &Trace, waves: bool) -> Result<String, String> {
         let path = self.trace_path(&record.name);
         self.write_unsynced(&path, &mut |out| {
             trace.save(out).map_err(|error| format!("{path} cannot be written: {error}"))
         })?;
-        self.waves(&path, trace)?;
+        if waves {
+            self.waves(&path, trace)?;
+        }
         Ok(path)
     }
 
@@ -256,7 +258,7 @@ mod tests {
         let mut paths = BTreeSet::new();
         for name in names {
             let record = CaseRecord { name: name.to_owned(), ..CaseRecord::default() };
-            let path = store.trace(&record, &Trace::new()).unwrap();
+            let path = store.trace(&record, &Trace::new(), true).unwrap();
             assert!(folder.path().join(&path).is_file());
             assert!(!path.contains("/.") && path.len() < 250, "{path}");
             paths.insert(path);

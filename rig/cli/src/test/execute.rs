@@ -190,7 +190,9 @@ impl RunCollector {
         if !self.trace_on.keeps(record) {
             return;
         }
-        let kept = folder.trace(record, trace).and_then(|path| {
+        // Waves take the longest by far, and whoever interrupts does not wait: `rig report` draws them from the trace.
+        let waves = !INTERRUPT.load(Ordering::Relaxed);
+        let kept = folder.trace(record, trace, waves).and_then(|path| {
             if record.frames.is_some() {
                 folder.frames(&path, frames)?;
             }

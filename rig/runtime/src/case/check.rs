@@ -19,7 +19,7 @@ use plans::signals::{FileFigure, RowFigure, SignalBinding, SignalSource, TaskFig
 use plans::steps::Stimulus;
 use plans::{Case, PlanStep};
 use profile::Profile;
-use signal::{SignalId, Span};
+use signal::{SignalId, SignalInfo, Span, ValueKind};
 
 /// What is looked at.
 pub(crate) struct CaseOnBench<'a> {
@@ -45,7 +45,14 @@ pub(crate) fn claims(looked: &CaseOnBench<'_>) -> Vec<Diagnostic> {
         }
         let one = match doubt(&*expectation.claim, signals, &bounds) {
             Some(Doubt::Never(why)) => {
-                let help = "claim a value that it can have";
+                let names = expectation.claim.signals();
+                let is_word = |info: &SignalInfo| info.kind == ValueKind::Word && names.contains(&info.name);
+                let help = match signals.iter().any(is_word) {
+                    true => {
+                        "claim a value that it can have; a place has no sign, nor has a variable at one: copy it into a variable without an address"
+                    }
+                    false => "claim a value that it can have",
+                };
                 Diagnostic::error(codes::CLAIM_WITHOUT_CHOICE, format!("the claim can never be met: {why}"))
                     .help(help)
             }

@@ -29,7 +29,7 @@ pub(super) fn line(
     }
     // A name that means nothing at all was reported where it is bound.
     if names.meaning(name).is_some() {
-        let help = "bind it to a terminal such as \"%IX0.0\", or to a channel of the board";
+        let help = "a line is a terminal such as \"%IX0.0\" or \"M1.IW0\", or a channel of the board; `write` gives a variable or a place its value";
         out.error(codes::NOT_A_LINE, step.span.clone(), format!("`{name}` is no line"), help);
     }
     None
