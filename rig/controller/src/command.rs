@@ -79,6 +79,11 @@ pub enum Command {
     },
     /// Show or no longer show which controller it is: every indicator flashes (controller:LED-03).
     Identify(bool),
+    /// Set the real-time clock (plcsystem:FUN-03).
+    SetClock {
+        /// Seconds since 1970-01-01 00:00 UTC.
+        seconds: i64,
+    },
 }
 
 /// What reset origin device resets, each for itself (controller:ROD-01).

@@ -43,6 +43,11 @@ pub enum Disturbance {
     BusSupply(bool),
     /// Transmitter and receiver of the expansion bus are joined, or not.
     BusLink(bool),
+    /// The battery of the clock has another charge (plcsystem:PLCR-05).
+    Battery {
+        /// Per cent, at most 100; 0 where it is empty or taken out.
+        charge: u8,
+    },
 }
 
 /// What goes wrong with a module on the expansion bus.

@@ -1,5 +1,6 @@
 //! The indicators of the controller: what each of them shows, and when it is lit (controller:STATE-01, io:LED-01).
 
+use crate::rtc::Battery;
 use crate::state::State;
 use profile::Profile;
 use signal::{Span, Time};
@@ -17,11 +18,13 @@ pub enum Led {
     Io,
     /// TM4, red: errors of the TM4 bus.
     Tm4,
+    /// BAT, red: the battery of the clock.
+    Bat,
 }
 
 impl Led {
     /// Every indicator.
-    pub const ALL: [Led; 5] = [Led::Pwr, Led::Run, Led::Err, Led::Io, Led::Tm4];
+    pub const ALL: [Led; 6] = [Led::Pwr, Led::Run, Led::Err, Led::Io, Led::Tm4, Led::Bat];
 
     /// The name in a plan, as in `LED.RUN`.
     pub const fn name(self) -> &'static str {
@@ -31,6 +34,7 @@ impl Led {
             Led::Err => "ERR",
             Led::Io => "IO",
             Led::Tm4 => "TM4",
+            Led::Bat => "BAT",
         }
     }
 
@@ -119,6 +123,8 @@ pub(crate) struct LedInputs {
     pub external_error: bool,
     /// An error of the TM4 bus.
     pub tm4_error: bool,
+    /// The battery, where its indicator shows it.
+    pub battery: Battery,
 }
 
 /// The common phase of all flashes and what of it is observed.
@@ -185,6 +191,12 @@ impl Leds {
                 Led::Err => inputs.err(),
                 Led::Io => on(inputs.io()),
                 Led::Tm4 => on(inputs.state.status().is_some() && inputs.tm4_error),
+                // That a low charge flashes in this rhythm is a rig definition.
+                Led::Bat => match inputs.battery {
+                    Battery::Good => LedPattern::Off,
+                    Battery::Low => LedPattern::RegularFlash,
+                    Battery::Empty => LedPattern::On,
+                },
             }
         }
     }

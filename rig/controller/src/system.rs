@@ -16,6 +16,8 @@ pub(crate) struct System {
     /// When RUNNING was left last, and when the controller went off last (controller:RB-06).
     pub dates: Dates,
     pub rtc: Rtc,
+    /// The indicator of the battery stays dark (controller:LED-05).
+    pub battery_led_inhibited: bool,
     pub clocks: Clocks,
     /// Events that configured inputs raised; counts round (plcsystem:PLCR-11).
     pub events: u16,
@@ -30,14 +32,16 @@ pub(crate) struct System {
     links: Vec<(SystemVariable, u32)>,
 }
 
-impl Default for System {
-    fn default() -> Self {
+impl System {
+    /// What they show at first; the clock is fast by so many seconds a week, or slow below 0.
+    pub(crate) fn new(clock_drift: i64) -> System {
         System {
             boot_project: BootProjectStatus::None,
             stop_cause: StopCause::Unknown,
             error: ApplicationError::None,
             dates: Dates::default(),
-            rtc: Rtc::default(),
+            rtc: Rtc::new(clock_drift),
+            battery_led_inhibited: false,
             clocks: Clocks::default(),
             events: 0,
             control: 0,
@@ -47,9 +51,7 @@ impl Default for System {
             links: Vec::new(),
         }
     }
-}
 
-impl System {
     /// The application mentions these system variables, by their numbers in it.
     pub(crate) fn set_links(&mut self, links: impl Iterator<Item = (SystemVariable, u32)>) {
         self.links.clear();

@@ -81,18 +81,35 @@ pub fn rfc3339(seconds: u64) -> String {
     format!("{date}T{:02}:{:02}:{:02}Z", second / 3_600, second / 60 % 60, second % 60)
 }
 
-/// The seconds since 1970 of an instant `2026-11-21T05:30:00Z`; a fraction of the second is dropped. `None` for anything
-/// else, and for days that do not exist.
+/// The seconds since 1970 of an instant `2026-11-21T05:30:00Z`, or with another zone, `2026-11-21T06:30:00+01:00`; a fraction of
+/// the second is dropped. `None` for anything else, and for days that do not exist.
 pub fn seconds_of(rfc3339: &str) -> Option<i64> {
+    if let Some((local, sign, zone)) = zone_of(rfc3339) {
+        let ahead = sign * clock_of(&format!("{zone}:00"))?;
+        return Some(seconds_of(&format!("{local}Z"))? - ahead);
+    }
     let (date, time) = rfc3339.strip_suffix('Z')?.split_once('T')?;
     let whole = time.split_once('.').map_or(time, |(whole, _)| whole);
-    let mut parts = whole.split(':').map(|part| match part.as_bytes() {
+    Some(Date::parse(date)?.days() * DAY + clock_of(whole)?)
+}
+
+/// An instant that ends with a distance from UTC, `+01:00`: what is before it, 1 or -1, and its hours and minutes.
+fn zone_of(rfc3339: &str) -> Option<(&str, i64, &str)> {
+    let at =
+        rfc3339.rfind(['+', '-']).filter(|at| rfc3339.get(..*at).is_some_and(|local| local.contains('T')))?;
+    let sign = if rfc3339.as_bytes().get(at) == Some(&b'-') { -1 } else { 1 };
+    Some((rfc3339.get(..at)?, sign, rfc3339.get(at + 1..)?))
+}
+
+/// The seconds since midnight of `05:30:00`.
+fn clock_of(text: &str) -> Option<i64> {
+    let mut parts = text.split(':').map(|part| match part.as_bytes() {
         [a, b] if a.is_ascii_digit() && b.is_ascii_digit() => part.parse::<i64>().ok(),
         _ => None,
     });
     let (hour, minute, second) = (parts.next()??, parts.next()??, parts.next()??);
     let valid = hour < 24 && minute < 60 && second < 60 && parts.next().is_none();
-    valid.then_some(Date::parse(date)?.days() * DAY + (hour * 60 + minute) * 60 + second)
+    valid.then_some((hour * 60 + minute) * 60 + second)
 }
 
 #[cfg(test)]
@@ -141,10 +158,21 @@ mod tests {
             assert_eq!((rfc3339(seconds).as_str(), seconds_of(text)), (text, i64::try_from(seconds).ok()));
         }
         assert_eq!(rfc3339(u64::MAX), "9999-12-31T23:59:59Z");
-        assert_eq!(seconds_of("2100-01-01T00:00:00.5Z"), Some(4_102_444_800));
-        for text in
-            ["2026-11-21 05:30", "2026-11-21T05:30Z", "2026-11-21T24:00:00Z", "2026-02-30T00:00:00Z", "µ"]
-        {
+        for text in ["00:00:00.5Z", "05:30:00+05:30", "00:00:00-00:00"] {
+            assert_eq!(seconds_of(&format!("2100-01-01T{text}")), Some(4_102_444_800), "{text}");
+        }
+        assert_eq!(seconds_of("2099-12-31T22:00:00-02:00"), Some(4_102_444_800));
+        for text in [
+            "2026-11-21 05:30",
+            "2026-11-21T05:30Z",
+            "2026-11-21T24:00:00Z",
+            "2026-02-30T00:00:00Z",
+            "µ",
+            "T+µ",
+            "2026-11-21T05:30:00+1:00",
+            "2026-11-21T05:30:00+01:00Z",
+            "2026-11-21T05:30:00Z+01:00",
+        ] {
             assert_eq!(seconds_of(text), None, "{text}");
         }
     }

@@ -65,6 +65,8 @@ pub struct Config {
     pub can_sync: bool,
     /// Edges of outputs whose delays are documented as maxima say by how much they may have come earlier (io:STD-OUT-01).
     pub worst_case: bool,
+    /// By so many seconds a week the clock is fast without a correction, or slow below 0 (controller:HW-10).
+    pub clock_drift: i64,
     /// A programming tool is connected when the power comes on (controller:FRC-01).
     pub tool_connected: bool,
     /// Starting mode (controller:DEV-10).
@@ -108,6 +110,7 @@ impl Config {
             minimize_jitter: false,
             can_sync: false,
             worst_case: false,
+            clock_drift: 0,
             tool_connected: true,
             starting_mode: StartingMode::default(),
             watchdog_basis: WatchdogBasis::default(),

@@ -21,6 +21,7 @@ impl Controller {
             Disturbance::Module { index, fault } => self.modules.bus.fault(now, index, fault),
             Disturbance::BusSupply(on) => self.modules.bus.supply(now, on),
             Disturbance::BusLink(whole) => self.modules.bus.link(now, whole),
+            Disturbance::Battery { charge } => self.system.rtc.set_charge(charge),
         }
         self.protect(now, fx);
         self.observe(class::STATE | class::TERMINAL, now, Cause::Board, fx);

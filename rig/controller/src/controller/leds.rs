@@ -3,6 +3,7 @@
 use super::Controller;
 use crate::led::{Led, LedInputs, LedPattern};
 use crate::probe::Probe;
+use crate::rtc::Battery;
 use signal::Time;
 
 impl Controller {
@@ -16,6 +17,10 @@ impl Controller {
             application_differs: self.application_differs(),
             external_error: self.external_error(),
             tm4_error: self.external.tm4() || self.modules.tm4_error(),
+            battery: match self.system.battery_led_inhibited {
+                true => Battery::Good,
+                false => self.system.rtc.battery(),
+            },
         }
     }
 

@@ -124,7 +124,7 @@ impl Controller {
                 }
                 SliceEnd::Break => self.enter_breakpoint(place, fx),
                 SliceEnd::SystemCall { call, argument } => {
-                    self.answer_call(rank, call, argument);
+                    self.answer_call(rank, call, argument, fx);
                     if self.scheduler.is_held(rank) {
                         return Step::Go;
                     }

@@ -1,12 +1,13 @@
 //! What a program asks of the controller.
 
 use super::Controller;
-use crate::SystemCall;
-use signal::Span;
+use crate::probes::class;
+use crate::{Effects, SystemCall};
+use signal::{Cause, Span};
 
 impl Controller {
     /// Answers the task of this rank at once.
-    pub(super) fn answer_call(&mut self, rank: usize, call: SystemCall, argument: i64) {
+    pub(super) fn answer_call(&mut self, rank: usize, call: SystemCall, argument: i64, fx: &mut Effects) {
         let (now, place) = (self.scheduler.now(), self.scheduler.place(rank));
         let answer = match call {
             SystemCall::WaitSleep => {
@@ -25,8 +26,13 @@ impl Controller {
             SystemCall::ModuleInternalStatus => self.modules.bus.internal_status(now, argument),
             SystemCall::GetRtc => self.system.rtc.seconds(now),
             SystemCall::SetRtcDrift => self.system.rtc.set_drift(argument, self.config.profile, now),
-            // The indicator of the battery is dark in any case: no battery of the model is ever empty.
-            SystemCall::InhibitBatteryLed => 0,
+            SystemCall::InhibitBatteryLed => {
+                let before = std::mem::replace(&mut self.system.battery_led_inhibited, argument != 0);
+                if before != self.system.battery_led_inhibited {
+                    self.observe(class::STATE, now, Cause::Controller, fx);
+                }
+                0
+            }
             SystemCall::ModuleBusStatus => i64::from(self.modules.bus.exchange_code(argument).code()),
             SystemCall::ModuleFirmware => i64::from(self.modules.bus.firmware(argument)),
         };

@@ -28,7 +28,7 @@ impl Controller {
             SystemVariable::Tm3BusState => u64::from(self.modules.bus.start_state().code()),
             SystemVariable::ModuleId(index) => u64::from(self.modules.bus.id(usize::from(index))),
             SystemVariable::ModuleState(index) => u64::from(self.module_state(usize::from(index)).code()),
-            SystemVariable::ClockBatteryStatus => 100,
+            SystemVariable::ClockBatteryStatus => u64::from(self.system.rtc.charge()),
             SystemVariable::LastStopTime => u64::from(system.dates.stop),
             SystemVariable::LastPowerOffDate => u64::from(system.dates.off),
             SystemVariable::Clock10Ms | SystemVariable::Clock100Ms | SystemVariable::Clock1S => {

@@ -31,6 +31,8 @@ impl Controller {
         } else if self.state == State::Off {
             self.power_modules(now);
             self.leds.power_on(now);
+            self.system.rtc.power_on(now);
+            self.system.battery_led_inhibited = false;
             self.power.script = false;
             self.clear_errors(None);
             self.system.stop_cause = LastState::load(self.files.store()).stop_cause;
@@ -55,6 +57,7 @@ impl Controller {
         self.remanent.tear(now, self.files.store_mut());
         self.unload(now);
         self.system.dates.off = self.system.rtc.date(now);
+        self.system.rtc.power_off();
         self.power.hold_up = None;
         self.power.stage = None;
         self.power.cycle_due = None;

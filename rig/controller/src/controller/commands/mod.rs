@@ -55,9 +55,17 @@ impl Controller {
             Command::LogIn => self.log_in(),
             Command::LogOut { keep_forcing } => self.log_out(keep_forcing),
             Command::Identify(on) => self.identify(on, now, fx),
+            Command::SetClock { seconds } => self.set_clock(seconds, now),
         };
         self.observe(class::FILE, now, Cause::Controller, fx);
         done
+    }
+
+    /// plcsystem:FUN-03
+    fn set_clock(&mut self, seconds: i64, now: Time) -> Result<(), CommandError> {
+        self.state.status().ok_or(CommandError::State(self.state))?;
+        self.system.rtc.set(seconds, now);
+        Ok(())
     }
 
     /// controller:LED-03
