@@ -15,7 +15,7 @@ use super::first_edge::WITHIN;
 use super::{ExpectVerb, ReadContext, TraceClaim, state};
 
 /// The indicators, as the signals `LED.PWR` and so on name them.
-const NAMES: &[&str] = &["PWR", "RUN", "ERR", "IO", "TM4"];
+const NAMES: &[&str] = &["PWR", "RUN", "ERR", "IO", "TM4", "BAT"];
 
 /// What an indicator can show.
 const SHOWS: KeyType = KeyType::Choice(&["off", "on", "fast-flash", "regular-flash", "single-flash"]);

@@ -103,6 +103,11 @@ pub(super) const SETTINGS_KEYS: &[KeySpec] = &[
         KeyType::Bool,
         "Whether the CANopen manager produces or consumes SYNC; FALSE if left out.",
     ),
+    KeySpec::optional(
+        "clock-drift",
+        KeyType::Integer(-13, 13),
+        "By how many seconds a week the real-time clock is fast, or slow below 0; 0 if left out.",
+    ),
     KeySpec::optional("login", KeyType::Bool, "Whether a programming tool is connected; TRUE if left out."),
     KeySpec::optional(
         "watchdog-basis",
@@ -257,6 +262,8 @@ pub struct PlanSettings {
     pub minimize_jitter: Option<bool>,
     /// Whether the CANopen manager produces or consumes SYNC.
     pub can_sync: Option<bool>,
+    /// By so many seconds a week the real-time clock is fast (controller:HW-10: less than 60 s in 30 days).
+    pub clock_drift: Option<i64>,
     /// Whether a programming tool is connected.
     pub login: Option<bool>,
     /// What the time of a task's watchdog measures.
@@ -335,6 +342,7 @@ pub(super) fn read(fields: &Fields<'_>, out: &mut Findings) -> PlanSettings {
         }),
         minimize_jitter: fields.boolean("minimize-jitter"),
         can_sync: fields.boolean("can-sync"),
+        clock_drift: fields.integer("clock-drift"),
         login: fields.boolean("login"),
         watchdog_basis: fields.text("watchdog-basis").map(|basis| match basis {
             "processor" => WatchdogBasis::Processor,

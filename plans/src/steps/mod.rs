@@ -7,6 +7,7 @@ mod application;
 mod ask;
 mod awaited;
 mod case;
+mod clock;
 mod control;
 mod cycle;
 mod debug;
@@ -84,6 +85,7 @@ pub(crate) fn table_fields<'n>(node: &'n Node, specs: &'static [KeySpec]) -> Opt
 /// Every verb of `steps`, in alphabetical order.
 pub static VERBS: &[StepVerb] = &[
     ask::ASK,
+    clock::BATTERY,
     debug::BREAKPOINT,
     fault::CLEAR,
     debug::CLEAR_BREAKPOINTS,
@@ -116,6 +118,7 @@ pub static VERBS: &[StepVerb] = &[
     send::SEND,
     sequence::SEQUENCE,
     drive::SET,
+    clock::SET_CLOCK,
     plant::SET_PLANT,
     disturb::SHORT_CIRCUIT,
     wave::SINE,
@@ -185,6 +188,8 @@ pub enum DisturbanceKind {
     NoBusSupply,
     /// Transmitter and receiver are not joined.
     NoBusLink,
+    /// The battery of the clock has this charge, in per cent; 0 where it is empty or taken out.
+    Battery(u8),
 }
 
 /// What is wrong with an expansion module.
@@ -303,6 +308,11 @@ pub enum Stimulus {
     },
     /// Commands the controller.
     Command(PlanCommand),
+    /// Sets the real-time clock.
+    SetClock {
+        /// Seconds since 1970-01-01 00:00 UTC.
+        seconds: i64,
+    },
     /// Moves the Run/Stop switch: TRUE to Run.
     Switch(bool),
     /// Downloads an application.
@@ -463,6 +473,8 @@ impl Stimulus {
             Stimulus::Disturb { what: DisturbanceKind::Module { .. }, .. } => "module-fault",
             Stimulus::Disturb { what: DisturbanceKind::NoBusSupply, .. } => "supply-bus",
             Stimulus::Disturb { what: DisturbanceKind::NoBusLink, .. } => "link-cut",
+            Stimulus::Disturb { what: DisturbanceKind::Battery(_), .. } => "battery",
+            Stimulus::SetClock { .. } => "set-clock",
             Stimulus::Train(_) => "train",
             Stimulus::Wave(wave) => wave.verb(),
             Stimulus::Encoder(_) => "encoder",
@@ -498,6 +510,7 @@ impl Stimulus {
                 | Stimulus::PlaceBootApplication(_)
                 | Stimulus::Release { .. }
                 | Stimulus::ResetOriginDevice { .. }
+                | Stimulus::SetClock { .. }
                 | Stimulus::Breakpoint { .. }
                 | Stimulus::Resume
                 | Stimulus::StepStatement

@@ -320,6 +320,9 @@ fn wrong_type(node: &Node, what: &str, ty: &KeyType, out: &mut Findings) -> bool
         Data::Datetime(text) if matches!(ty, KeyType::Anchor) => {
             format!("{text} is a TOML date or time: count from `start`, as in \"start + 10 s\"")
         }
+        Data::Datetime(text) if matches!(ty, KeyType::Text) => {
+            format!("{text} is a TOML date or time: write it between quotes")
+        }
         Data::Datetime(text) if takes(ty, &Data::Text(String::new())) => {
             format!("{text} is a TOML date or time, not a duration: write \"10 s\"")
         }

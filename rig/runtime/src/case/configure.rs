@@ -74,6 +74,7 @@ pub fn configuration(settings: &PlanSettings, files: &CaseFiles) -> Result<Confi
     }
     config.minimize_jitter = settings.minimize_jitter.unwrap_or(config.minimize_jitter);
     config.can_sync = settings.can_sync.unwrap_or(config.can_sync);
+    config.clock_drift = settings.clock_drift.unwrap_or(config.clock_drift);
     config.tool_connected = settings.login.unwrap_or(config.tool_connected);
     config.alarm_output = settings.alarm_output.map(|address| address.bit_offset() as usize);
     config.expert = functions::configure(settings, &files.plan.name)?;

@@ -181,6 +181,9 @@ pub(super) fn plan_step(
             let command = Command::Breakpoint { file, line: *line };
             vec![(Span::ZERO, Act::Command(command, expected(step)))]
         }
+        Stimulus::SetClock { seconds } => {
+            vec![(Span::ZERO, Act::Command(Command::SetClock { seconds: *seconds }, expected(step)))]
+        }
         Stimulus::ClearBreakpoints => {
             vec![(Span::ZERO, Act::Command(Command::ClearBreakpoints, expected(step)))]
         }
@@ -349,6 +352,7 @@ fn disturbance(
             };
             Disturbance::Module { index, fault }
         }
+        DisturbanceKind::Battery(charge) => Disturbance::Battery { charge },
         DisturbanceKind::NoBusSupply => Disturbance::BusSupply(!on),
         DisturbanceKind::NoBusLink if on && !bench.linked => {
             let help = "write TM3XTRA1 and TM3XREC1 into `settings.modules`";

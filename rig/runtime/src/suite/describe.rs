@@ -15,6 +15,7 @@ use plans::steps::{
 };
 use record::{CaseRecord, ClaimOrigin, Hashes, Parameter, StepRecord};
 use sha2::{Digest, Sha256};
+use signal::calendar::rfc3339;
 use signal::{Coverage, Trace};
 
 /// Bytes as hexadecimal digits.
@@ -287,6 +288,9 @@ pub fn what(stimulus: &Stimulus) -> String {
         Stimulus::OnlineChange(program) => format!("online change to {}", program_name(program)),
         Stimulus::Breakpoint { line, file: None } => format!("breakpoint in line {line}"),
         Stimulus::Breakpoint { line, file: Some(file) } => format!("breakpoint in line {line} of {file}"),
+        Stimulus::SetClock { seconds } => {
+            format!("set the clock to {}", rfc3339(u64::try_from(*seconds).unwrap_or_default()))
+        }
         Stimulus::ClearBreakpoints => String::from("clear breakpoints"),
         Stimulus::Resume => String::from("go on from the breakpoint"),
         Stimulus::StepStatement => String::from("go on to the next statement"),
@@ -346,6 +350,7 @@ pub fn what(stimulus: &Stimulus) -> String {
                 }
                 DisturbanceKind::NoBusSupply => String::from("no supply of the expansion bus"),
                 DisturbanceKind::NoBusLink => String::from("link of transmitter and receiver cut"),
+                DisturbanceKind::Battery(charge) => format!("battery of the clock at {charge} %"),
             };
             match (on, lasts) {
                 (true, Some(lasts)) => format!("{what} for {lasts}"),
