@@ -1,14 +1,14 @@
 //! The time bases that programs and plans can read (controller:SYS-05): bits that are TRUE in the second half of
 //! each period, counted from the end of the boot.
 
-use crate::system_variable::SystemVariable;
+use profile::PlcRead;
 use signal::{Span, Time};
 
 /// The bits with their periods.
-const BITS: [(SystemVariable, Span); 3] = [
-    (SystemVariable::Clock10Ms, Span::from_millis(10)),
-    (SystemVariable::Clock100Ms, Span::from_millis(100)),
-    (SystemVariable::Clock1S, Span::from_secs(1)),
+const BITS: [(PlcRead, Span); 3] = [
+    (PlcRead::Clock10Ms, Span::from_millis(10)),
+    (PlcRead::Clock100Ms, Span::from_millis(100)),
+    (PlcRead::Clock1S, Span::from_secs(1)),
 ];
 
 /// The time bases. Their edges are events only while somebody looks at one.
@@ -38,8 +38,8 @@ impl Clocks {
     }
 
     /// The level of a bit at `now`, or where its edges have come to if that is later.
-    pub(crate) fn level(&self, variable: SystemVariable, now: Time) -> bool {
-        let period = BITS.iter().find(|(known, _)| *known == variable).map(|(_, period)| *period);
+    pub(crate) fn level(&self, bit: PlcRead, now: Time) -> bool {
+        let period = BITS.iter().find(|(known, _)| *known == bit).map(|(_, period)| *period);
         let passed = (now.max(self.at) - self.origin).as_nanos();
         period.is_some_and(|period| passed / half(period).as_nanos() % 2 == 1)
     }
@@ -53,8 +53,8 @@ impl Clocks {
     }
 
     /// The edges come of the bits that somebody looks at, from `now` on.
-    pub(crate) fn observe(&mut self, now: Time, observed: impl Fn(SystemVariable) -> bool) {
-        let shortest = BITS.iter().find(|(variable, _)| observed(*variable));
+    pub(crate) fn observe(&mut self, now: Time, observed: impl Fn(PlcRead) -> bool) {
+        let shortest = BITS.iter().find(|(bit, _)| observed(*bit));
         let half = shortest.map(|(_, period)| half(*period));
         if self.half != half {
             self.half = half;

@@ -5,6 +5,7 @@ use crate::store::{APPLICATION_FILE, NonVolatile};
 use crate::system_log::SystemLog;
 use profile::{Profile, Reference, TreeEntry, USER_DISK_BYTES};
 use signal::{Time, Value};
+use std::cell::Cell;
 use thiserror::Error;
 
 /// Longest path of a file, in bytes (rig definition).
@@ -104,12 +105,22 @@ pub(crate) struct Files {
     probes: Vec<FileProbe>,
     /// Entries that logs lost.
     lost: Vec<(String, u64)>,
+    /// What the files of the store take of /usr, while it is known: to look for it means to list them all.
+    used: Cell<Option<u64>>,
 }
 
 impl Files {
     /// The files of a store.
     pub(crate) fn new(profile: Profile, reference: &'static Reference, store: Box<dyn NonVolatile>) -> Files {
-        Files { profile, reference, store, log: SystemLog::default(), probes: Vec::new(), lost: Vec::new() }
+        Files {
+            profile,
+            reference,
+            store,
+            log: SystemLog::default(),
+            probes: Vec::new(),
+            lost: Vec::new(),
+            used: Cell::new(None),
+        }
     }
 
     /// The store.
@@ -119,6 +130,7 @@ impl Files {
 
     /// The store, to be written.
     pub(crate) fn store_mut(&mut self) -> &mut dyn NonVolatile {
+        self.used.set(None);
         &mut *self.store
     }
 
@@ -174,11 +186,15 @@ impl Files {
 
     /// Free bytes of /usr.
     pub(crate) fn free_bytes(&self) -> u64 {
-        let mut used = self.log.len() as u64;
-        self.store.list(&mut |name, bytes| {
-            used += if disk(name) == Some("usr") { bytes } else { 0 };
+        let used = self.used.get().unwrap_or_else(|| {
+            let mut used = 0;
+            self.store.list(&mut |name, bytes| {
+                used += if disk(name) == Some("usr") { bytes } else { 0 };
+            });
+            self.used.set(Some(used));
+            used
         });
-        USER_DISK_BYTES.saturating_sub(used)
+        USER_DISK_BYTES.saturating_sub(used + self.log.len() as u64)
     }
 
     /// Writes a file whole where its extension sends it: where that is.
@@ -194,7 +210,7 @@ impl Files {
         if bytes.len() as u64 > self.free_bytes() + old {
             return Err(FileError::Full);
         }
-        self.store.write(&place, bytes);
+        self.store_mut().write(&place, bytes);
         Ok(place)
     }
 
@@ -214,7 +230,7 @@ impl Files {
         let mut bytes = self.store.read(&place).unwrap_or_default();
         bytes.extend_from_slice(entry.as_bytes());
         bytes.push(b'\n');
-        self.store.write(&place, &bytes);
+        self.store_mut().write(&place, &bytes);
         Ok(())
     }
 
@@ -228,7 +244,7 @@ impl Files {
             return Ok(None);
         }
         let place = stored(&*self.store, path).ok_or(FileError::NotFound)?;
-        self.store.remove(&place);
+        self.store_mut().remove(&place);
         Ok(Some(place))
     }
 
@@ -261,7 +277,7 @@ impl Files {
             }
         });
         for name in names {
-            self.store.remove(&name);
+            self.store_mut().remove(&name);
         }
     }
 

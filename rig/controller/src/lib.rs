@@ -45,7 +45,7 @@ mod state;
 mod store;
 mod system;
 mod system_log;
-mod system_variable;
+mod system_words;
 mod terminal;
 
 pub use application::{
@@ -84,5 +84,4 @@ pub use store::{
     APPLICATION_FILE, CERTIFICATES_FOLDER, DATES_FILE, NonVolatile, POST_CONFIGURATION_FILE, RETAIN_FILES,
     RETAIN_MAP, RIGHTS_FILE, STATE_FILE,
 };
-pub use system_variable::{SystemType, SystemVariable};
 pub use terminal::Terminal;

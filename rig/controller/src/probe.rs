@@ -3,8 +3,8 @@
 use crate::config::RelocationPart;
 use crate::led::Led;
 use crate::scheduler::TaskFigure;
-use crate::system_variable::SystemVariable;
 use crate::terminal::Terminal;
+use profile::SystemVariable;
 use signal::{Address, Level};
 
 /// Something observable inside the controller.

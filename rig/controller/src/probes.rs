@@ -1,6 +1,7 @@
 //! The observed probes with their last values.
 
 use crate::probe::{Probe, ProbeId};
+use profile::{PlcRead, SystemField};
 use signal::Value;
 
 /// What can change together: probes are looked at only when something of their kind happened.
@@ -21,6 +22,9 @@ fn class_of(probe: &Probe) -> u16 {
     match probe {
         Probe::Address(_) => class::MEMORY,
         Probe::Variable(_) => class::VARIABLE,
+        Probe::System(variable) if variable.field == SystemField::PlcR(PlcRead::FreeBytes) => {
+            class::STATE | class::FILE
+        }
         Probe::State | Probe::System(_) | Probe::Led(_) => class::STATE,
         Probe::LedLit(_) => class::STATE | class::LED,
         Probe::TaskFigure { .. } => class::FIGURE,

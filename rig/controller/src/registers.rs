@@ -3,10 +3,7 @@
 
 use crate::config::RelocationPart;
 use crate::relocation::RelocationTable;
-use profile::{
-    READ_TABLE, RESERVED_REGISTERS, SYSTEM_REGISTERS, SYSTEM_WRITE_REGISTERS, TABLE_WORDS, WRITABLE_FIELDS,
-    WRITE_TABLE,
-};
+use profile::{RegisterRangeKind, TABLE_WORDS};
 use signal::{Address, Area, Size};
 
 /// Why registers were not read or written.
@@ -18,25 +15,12 @@ pub enum RegisterError {
     IllegalAddress,
 }
 
-/// The parts of the register map (controller:MEM-06).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Block {
-    Memory,
-    System,
-    Table(RelocationPart),
-    SystemWrite,
-    Reserved,
-}
-
-/// The part of the map that a register belongs to.
-pub(crate) const fn block(register: u16) -> Block {
-    match register {
-        RESERVED_REGISTERS.. => Block::Reserved,
-        WRITE_TABLE.. => Block::Table(RelocationPart::Write),
-        SYSTEM_WRITE_REGISTERS.. => Block::SystemWrite,
-        READ_TABLE.. => Block::Table(RelocationPart::Read),
-        SYSTEM_REGISTERS.. => Block::System,
-        _ => Block::Memory,
+/// The part of the relocation table that a range of the register map is.
+pub(crate) const fn part_of(kind: RegisterRangeKind) -> Option<RelocationPart> {
+    match kind {
+        RegisterRangeKind::ReadTable => Some(RelocationPart::Read),
+        RegisterRangeKind::WriteTable => Some(RelocationPart::Write),
+        _ => None,
     }
 }
 
@@ -46,18 +30,12 @@ pub(crate) struct Registers {
     table: RelocationTable,
     /// Registers of the read and the write table that no row covers.
     loose: [Box<[u16]>; 2],
-    /// Words of the structures that may be written.
-    writable: [u16; WRITABLE_FIELDS],
 }
 
 impl Default for Registers {
     fn default() -> Self {
         let words = || vec![0; usize::from(TABLE_WORDS)].into_boxed_slice();
-        Registers {
-            table: RelocationTable::default(),
-            loose: [words(), words()],
-            writable: [0; WRITABLE_FIELDS],
-        }
+        Registers { table: RelocationTable::default(), loose: [words(), words()] }
     }
 }
 
@@ -70,18 +48,6 @@ impl Registers {
     /// The relocation table is this one from now on.
     pub(crate) fn set_table(&mut self, table: RelocationTable) {
         self.table = table;
-    }
-
-    /// A word of the structures that may be written.
-    pub(crate) fn writable(&self, place: u8) -> u16 {
-        self.writable.get(usize::from(place)).copied().unwrap_or(0)
-    }
-
-    /// Writes a word of the structures that may be written.
-    pub(crate) fn set_writable(&mut self, place: u8, value: u16) {
-        if let Some(word) = self.writable.get_mut(usize::from(place)) {
-            *word = value;
-        }
     }
 
     /// A register that no row of the table covers.

@@ -3,13 +3,16 @@
 use crate::application::Application;
 use crate::config::{RelocationConfig, RelocationPart};
 use crate::location::VariableLocation;
-use profile::{Profile, SystemField, TABLE_WORDS};
+use profile::{Profile, SystemField, SystemMember, SystemVariable, TABLE_WORDS};
 use signal::Address;
 
 /// What a row stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum RelocationTarget {
-    System(SystemField),
+    /// A member of a system structure, and the element where the structure is an array.
+    Member(SystemField, u8),
+    /// A byte of a member that is an array of bytes.
+    Variable(SystemVariable),
     Application(VariableLocation),
 }
 
@@ -42,7 +45,7 @@ impl RelocationTable {
             let mut next: u32 = 0;
             let mut rows = Vec::with_capacity(names.len());
             for (place, name) in names.iter().enumerate() {
-                let target = target(name, application);
+                let target = target(name, application, profile);
                 let words = target.map_or(0, |target| target.words(profile));
                 let after = next.saturating_add(words);
                 if after > u32::from(TABLE_WORDS) {
@@ -77,9 +80,12 @@ impl RelocationTable {
     }
 }
 
-fn target(name: &str, application: Option<&dyn Application>) -> Option<RelocationTarget> {
-    if let Some(field) = SystemField::find(name) {
-        return Some(RelocationTarget::System(field));
+fn target(name: &str, application: Option<&dyn Application>, profile: Profile) -> Option<RelocationTarget> {
+    if let Some((member, part)) = SystemMember::find(name, profile) {
+        return Some(RelocationTarget::Member(member.field, part));
+    }
+    if let Some(variable) = SystemVariable::find(name, profile) {
+        return Some(RelocationTarget::Variable(variable));
     }
     if name.starts_with('%') {
         return Address::parse(name)
@@ -92,7 +98,8 @@ fn target(name: &str, application: Option<&dyn Application>) -> Option<Relocatio
 impl RelocationTarget {
     fn words(self, profile: Profile) -> u32 {
         match self {
-            RelocationTarget::System(field) => u32::from(field.words(profile)),
+            RelocationTarget::Member(field, _) => u32::from(field.member().ty(profile).words()),
+            RelocationTarget::Variable(_) => 1,
             RelocationTarget::Application(located) => located.words(),
         }
     }

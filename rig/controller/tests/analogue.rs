@@ -2,8 +2,8 @@
 
 use crate::support::*;
 use profile::{
-    AnalogueChannels, AnalogueInputSettings, AnalogueMode, AnalogueOutputSettings, ConfiguredModule,
-    Conversion, CountRange, IoChannel, ModuleFamily, ModuleKind, ModuleType, Profile,
+    AnalogueChannels, AnalogueInputSettings, AnalogueMode, AnalogueOutputSettings, BusWrite,
+    ConfiguredModule, Conversion, CountRange, IoChannel, ModuleFamily, ModuleKind, ModuleType, Profile,
 };
 use scanrig_controller::*;
 use signal::{Decimal, Span, Time, Unit, Value};
@@ -239,7 +239,7 @@ fn outputs_of_a_silent_module_are_off() {
     assert_eq!((shown(&active, 0).last(), active.memory("%QW2")), (Some(&(ms(40), Value::Real(0.0))), 0));
     let mut passive = rig(configured, 5_000);
     let mut fx = Effects::new();
-    let probe = Probe::System(SystemVariable::BusErrorPassive);
+    let probe = Probe::System(BusWrite::ErrorPassive.into());
     passive.plc.write(passive.now, &probe, Value::Word(1), signal::Cause::Unknown, &mut fx).unwrap();
     passive.to(run_at(ms(10)));
     silence(&mut passive, None);
@@ -262,7 +262,7 @@ fn outputs_of_a_pulled_module_stay_undriven() {
     for passive in [0, 1] {
         let mut rig = rig(configured.clone(), 5_000);
         let mut fx = Effects::new();
-        let probe = Probe::System(SystemVariable::BusErrorPassive);
+        let probe = Probe::System(BusWrite::ErrorPassive.into());
         rig.plc.write(rig.now, &probe, Value::Word(passive), signal::Cause::Unknown, &mut fx).unwrap();
         rig.to(run_at(ms(10)));
         let pull = |rig: &mut Rig, pulled| {

@@ -2,8 +2,8 @@
 
 use crate::support::*;
 use profile::{
-    ConfiguredModule, DigitalInputs, DigitalOutputs, IoChannel, IoStatus, ModuleFamily, ModuleKind,
-    ModuleState, ModuleType, Profile,
+    BusWrite, ConfiguredModule, DigitalInputs, DigitalOutputs, IoChannel, IoStatus, ModuleFamily, ModuleKind,
+    ModuleState, ModuleType, PlcRead, Profile,
 };
 use scanrig_controller::*;
 use signal::{Cause, Span, Value};
@@ -207,9 +207,9 @@ const BUS_ERROR: ModuleState = ModuleState::BusError;
 
 /// The bits of TM3 in PLC_R.i_lwSystemFault_1, the status of the expansion modules, and the indicator I/O.
 fn shown(rig: &Rig) -> (u64, u64, bool) {
-    let word = |variable| rig.plc.read(&Probe::System(variable)).as_int().unwrap() as u64;
+    let word = |variable: PlcRead| rig.plc.read(&Probe::System(variable.into())).as_int().unwrap() as u64;
     let lit = rig.plc.read(&Probe::LedLit(Led::Io)) == Value::Bool(true);
-    (word(SystemVariable::SystemFault1) & 3, word(SystemVariable::IoStatus2), lit)
+    (word(PlcRead::SystemFault1) & 3, word(PlcRead::IoStatus2), lit)
 }
 
 // io:ERR-03: one failed exchange is no error, two in a row are; a good one between them counts from the beginning again.
@@ -289,9 +289,9 @@ fn passive_handling_goes_on_with_the_others() {
     assert_eq!((states(&rig)[1], rig.memory("%IX6.0"), shown(&rig).0), (OK, 0, 3));
 }
 
-fn command(rig: &mut Rig, variable: SystemVariable, value: u64) {
+fn command(rig: &mut Rig, variable: BusWrite, value: u64) {
     let mut fx = Effects::new();
-    let probe = Probe::System(variable);
+    let probe = Probe::System(variable.into());
     rig.plc.write(rig.now, &probe, Value::Word(value), Cause::Unknown, &mut fx).unwrap();
 }
 
@@ -299,18 +299,18 @@ fn command(rig: &mut Rig, variable: SystemVariable, value: u64) {
 #[test]
 fn passive_handling_is_commanded() {
     let mut rig = two_modules(Profile::M241_2019);
-    command(&mut rig, SystemVariable::BusErrorPassive, 1);
+    command(&mut rig, BusWrite::ErrorPassive, 1);
     silence(&mut rig, 1, None);
     rig.to(run_at(ms(200)));
     assert_eq!((states(&rig), rig.memory("%QX4.0"), shown(&rig).0), ([OK, BUS_ERROR, EMPTY], 1, 0));
     // Active handling again: the bus goes off with the next exchange that fails.
-    command(&mut rig, SystemVariable::BusErrorPassive, 0);
+    command(&mut rig, BusWrite::ErrorPassive, 0);
     rig.after(ms(30));
     assert_eq!((states(&rig), rig.memory("%QX4.0")), ([OK, BUS_ERROR, EMPTY], 0));
     // A reset forgets the command.
-    command(&mut rig, SystemVariable::BusErrorPassive, 1);
+    command(&mut rig, BusWrite::ErrorPassive, 1);
     rig.command(Command::ResetWarm).unwrap();
-    assert_eq!(rig.plc.read(&Probe::System(SystemVariable::BusErrorPassive)), Value::Word(0));
+    assert_eq!(rig.plc.read(&Probe::System(BusWrite::ErrorPassive.into())), Value::Word(0));
 }
 
 // io:ERR-16, io:ERR-17
@@ -320,15 +320,15 @@ fn the_bus_restarts_by_an_edge_under_active_handling_with_the_cause_gone() {
         [(true, 0, 0, true), (false, 0, 0, false), (true, 1, 0, false), (true, 0, 1, false)]
     {
         let mut rig = two_modules(Profile::M241_2019);
-        command(&mut rig, SystemVariable::BusRestart, before);
+        command(&mut rig, BusWrite::Restart, before);
         silence(&mut rig, 1, None);
         rig.to(run_at(ms(200)));
         assert_eq!(rig.memory("%QX4.0"), 0);
         if cause_gone {
             silence(&mut rig, 1, Some(0));
         }
-        command(&mut rig, SystemVariable::BusErrorPassive, passive);
-        command(&mut rig, SystemVariable::BusRestart, 1);
+        command(&mut rig, BusWrite::ErrorPassive, passive);
+        command(&mut rig, BusWrite::Restart, 1);
         rig.after(ms(60));
         assert_eq!(rig.plc.state(), State::Running);
         let expected = if restarts { (1, OK, 3) } else { (0, BUS_ERROR, 0) };
@@ -429,7 +429,7 @@ fn a_disturbed_module_is_in_error_and_exchanged() {
 #[test]
 fn a_bus_without_supply_reaches_nothing() {
     let mut rig = two_modules(Profile::M241_2019);
-    let state = |rig: &Rig| rig.plc.read(&Probe::System(SystemVariable::Tm3BusState));
+    let state = |rig: &Rig| rig.plc.read(&Probe::System(PlcRead::Tm3BusState.into()));
     disturb(&mut rig, Disturbance::BusSupply(false));
     assert_eq!(state(&rig), Value::Word(4));
     rig.after(ms(60));

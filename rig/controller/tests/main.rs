@@ -11,4 +11,5 @@ mod retain;
 mod schedule;
 mod states;
 mod support;
+mod system_variables;
 mod watchdog;

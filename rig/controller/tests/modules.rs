@@ -1,7 +1,7 @@
 //! Modules after the embedded I/O: an analogue one, and a digital one with more channels than a word has bits.
 
 use crate::support::*;
-use profile::{IoChannel, IoStatus};
+use profile::{IoChannel, IoStatus, PlcRead};
 use scanrig_controller::*;
 use signal::{Address, Cause, Span, Time, Value};
 
@@ -243,7 +243,7 @@ fn an_unused_channel_is_exchanged_as_configured() {
 fn a_module_that_is_not_in_order_shows_in_the_status_of_expansion_modules() {
     for status in [IoStatus::Ok, IoStatus::ConfigurationFault] {
         let rig = Rig::running_with(config(), copying(), vec![Analogue::boxed(status)]);
-        let shown = rig.plc.read(&Probe::System(SystemVariable::IoStatus2));
+        let shown = rig.plc.read(&Probe::System(PlcRead::IoStatus2.into()));
         assert_eq!(shown, Value::Word(u64::from(status.code())));
     }
 }
@@ -306,6 +306,6 @@ fn modules_are_not_initialised_without_an_application() {
     rig.command(Command::ResetOrigin).unwrap();
     rig.after(ms(100));
     assert_eq!(rig.plc.state(), State::Empty);
-    let shown = rig.plc.read(&Probe::System(SystemVariable::IoStatus2));
+    let shown = rig.plc.read(&Probe::System(PlcRead::IoStatus2.into()));
     assert_eq!(shown, Value::Word(u64::from(IoStatus::NotInitialised.code())));
 }

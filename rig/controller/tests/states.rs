@@ -1,7 +1,7 @@
 //! Boot, commands and what they do to variables and memory.
 
 use crate::support::*;
-use profile::Profile;
+use profile::{PlcRead, Profile};
 use scanrig_controller::*;
 use signal::{Cause, Value};
 
@@ -49,8 +49,8 @@ fn boots_by_the_rows() {
         let rig = booted(mode, left);
         assert_eq!((rig.plc.state(), row(&rig)), (state, number), "{mode:?} from {left}");
         let cause = if left == State::Running { 0x0F } else { 0 };
-        assert_eq!(rig.system(SystemVariable::LastStopCause), cause);
-        assert_eq!(rig.system(SystemVariable::BootProjectStatus), 0xFFFF);
+        assert_eq!(rig.system(PlcRead::LastStopCause), cause);
+        assert_eq!(rig.system(PlcRead::BootProjectStatus), 0xFFFF);
         let states: Vec<_> = rig.states().into_iter().map(|it| it.1).collect();
         assert_eq!(states, [State::Booting, state]);
     }
@@ -66,13 +66,13 @@ fn without_a_valid_application_it_is_empty() {
         }
         rig.power_on();
         assert_eq!(
-            rig.plc.read(&Probe::System(SystemVariable::Status)),
+            rig.plc.read(&Probe::System(PlcRead::Status.into())),
             Value::Unknown,
             "nothing answers in BOOTING"
         );
         rig.after(ms(1_600));
         assert_eq!((rig.plc.state(), row(&rig)), (State::Empty, 3));
-        assert_eq!(rig.system(SystemVariable::BootProjectStatus), 0);
+        assert_eq!(rig.system(PlcRead::BootProjectStatus), 0);
         // controller:TR-26, controller:TR-28
         assert_eq!(rig.command(Command::Stop), Ok(()));
         assert_eq!(rig.command(Command::Run), Err(CommandError::State(State::Empty)));
@@ -91,7 +91,7 @@ fn an_invalid_context_ends_stopped() {
     rig.power_on();
     rig.after(ms(1_600));
     assert_eq!((rig.plc.state(), row(&rig)), (State::Stopped, 4));
-    assert_eq!(rig.system(SystemVariable::LastStopCause), 0x0D);
+    assert_eq!(rig.system(PlcRead::LastStopCause), 0x0D);
     // It has a context from now on.
     rig.power_off();
     rig.after(ms(10));
@@ -106,7 +106,7 @@ fn an_invalid_context_ends_stopped() {
     rig.power_on();
     rig.after(ms(1_600));
     assert_eq!((rig.plc.state(), row(&rig)), (State::Stopped, 4));
-    assert_eq!(rig.system(SystemVariable::LastStopCause), 0x0E);
+    assert_eq!(rig.system(PlcRead::LastStopCause), 0x0E);
     // controller:REM-02 note 2: both have the persistent variable.
     assert_eq!(values(&rig), ([0, 0, 6], [0, 3, 0]));
 
@@ -118,7 +118,7 @@ fn an_invalid_context_ends_stopped() {
     rig.after(ms(10));
     rig.power_on();
     rig.after(ms(1_600));
-    assert_eq!((rig.plc.state(), rig.system(SystemVariable::LastStopCause)), (State::Stopped, 0x0D));
+    assert_eq!((rig.plc.state(), rig.system(PlcRead::LastStopCause)), (State::Stopped, 0x0D));
 }
 
 // controller:RW-01, controller:RC-01, controller:REM-02, controller:REM-03, controller:RW-02
@@ -131,7 +131,7 @@ fn resets_keep_what_the_table_says() {
         rig.after(ms(50));
         assert_eq!(values(&rig), ([3, 3, 3], [55, 77, 99]));
         assert_eq!(rig.command(command.clone()), Ok(()));
-        assert_eq!((rig.plc.state(), rig.system(SystemVariable::LastStopCause)), (State::Stopped, 2));
+        assert_eq!((rig.plc.state(), rig.system(PlcRead::LastStopCause)), (State::Stopped, 2));
         assert_eq!(values(&rig), expected, "{command:?}");
         // The context of the reset is what a power cycle brings back.
         rig.after(ms(10));
@@ -141,7 +141,7 @@ fn resets_keep_what_the_table_says() {
         rig.after(ms(1_600));
         assert_eq!((rig.plc.state(), values(&rig)), (State::Stopped, expected));
         // plcsystem:PLCR-02
-        assert_eq!(rig.system(SystemVariable::LastStopCause), 2);
+        assert_eq!(rig.system(PlcRead::LastStopCause), 2);
     }
 }
 
@@ -181,7 +181,7 @@ fn run_and_stop() {
     assert_eq!(rig.command(Command::Stop), Err(CommandError::Stopping));
     rig.after(ms(30));
     assert_eq!(rig.states().last(), Some(&(run_at(us(60_006)), State::Stopped)));
-    assert_eq!(rig.system(SystemVariable::LastStopCause), 4);
+    assert_eq!(rig.system(PlcRead::LastStopCause), 4);
     assert_eq!(values(&rig).0, [4, 4, 4]);
     assert_eq!(rig.command(Command::Stop), Err(CommandError::State(State::Stopped)));
     // Variables go on where they were; the first cycle starts with RUNNING.
@@ -198,7 +198,7 @@ fn run_and_stop() {
         assert_eq!(rig.command(command), Err(CommandError::State(State::Halt)));
     }
     assert_eq!(rig.command(Command::ResetWarm), Ok(()));
-    assert_eq!(rig.system(SystemVariable::LastApplicationError), 0);
+    assert_eq!(rig.system(PlcRead::LastApplicationError), 0);
     assert_eq!(rig.command(Command::Run), Ok(()));
 }
 
@@ -208,7 +208,7 @@ fn the_switch() {
     let mut rig = booted(StartingMode::Previous, State::Running);
     rig.after(ms(5));
     assert_eq!(rig.command(Command::Switch(false)), Ok(()));
-    assert_eq!((rig.plc.state(), rig.system(SystemVariable::LastStopCause)), (State::Stopped, 0x0C));
+    assert_eq!((rig.plc.state(), rig.system(PlcRead::LastStopCause)), (State::Stopped, 0x0C));
     assert_eq!(rig.command(Command::Run), Err(CommandError::SwitchAtStop));
     assert_eq!(rig.command(Command::Switch(true)), Ok(()));
     assert_eq!(rig.plc.state(), State::Running);

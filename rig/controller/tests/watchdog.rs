@@ -1,6 +1,7 @@
 //! Task watchdogs, the system watchdog, and faults of the application.
 
 use crate::support::*;
+use profile::PlcRead;
 use scanrig_controller::*;
 use signal::{Level, Span};
 
@@ -30,9 +31,9 @@ fn the_first_cycle_longer_than_the_time_halts() {
     assert_eq!(rig.states().last(), Some(&(run_at(ms(1_100)), State::Halt)));
     // The fallback is applied at once; a regular transistor lets go after 250 us.
     assert_eq!(rig.edges(4).last(), Some(&(run_at(us(1_100_250)), Level::Low)));
-    assert_eq!(rig.system(SystemVariable::LastApplicationError), 0x0010);
-    assert_eq!(rig.system(SystemVariable::LastStopCause), 0x03);
-    assert_eq!(rig.system(SystemVariable::Status), 4);
+    assert_eq!(rig.system(PlcRead::LastApplicationError), 0x0010);
+    assert_eq!(rig.system(PlcRead::LastStopCause), 0x03);
+    assert_eq!(rig.system(PlcRead::Status), 4);
     assert_eq!(rig.plc.task_figures(0).unwrap().exceptions, 1);
 }
 
@@ -44,7 +45,7 @@ fn a_cycle_of_exactly_the_time_is_in_time() {
         rig.plc.overload(0, cycle, 3);
         rig.to(run_at(ms(2_000)));
         assert_eq!(rig.plc.state(), State::Running);
-        assert_eq!(rig.system(SystemVariable::LastApplicationError), 0);
+        assert_eq!(rig.system(PlcRead::LastApplicationError), 0);
         assert_eq!(rig.plc.task_figures(0).unwrap().exceptions, 0);
     }
 }
@@ -142,18 +143,18 @@ fn full_load_reboots_into_empty() {
     assert_eq!(rig.states().last(), Some(&(run_at(ms(1_000)), State::Booting)));
     rig.to(run_at(ms(3_000)));
     assert_eq!(rig.states().last(), Some(&(run_at(ms(2_500)), State::Empty)));
-    assert_eq!(rig.system(SystemVariable::LastApplicationError), 0x0011);
-    assert_eq!(rig.system(SystemVariable::LastStopCause), 0x01);
-    assert_eq!(rig.system(SystemVariable::BootProjectStatus), 0x0002);
+    assert_eq!(rig.system(PlcRead::LastApplicationError), 0x0011);
+    assert_eq!(rig.system(PlcRead::LastStopCause), 0x01);
+    assert_eq!(rig.system(PlcRead::BootProjectStatus), 0x0002);
     // A power cycle clears the codes and loads the application that was kept.
     rig.power_off();
     rig.after(ms(100));
     rig.power_on();
     rig.after(ms(2_000));
     assert_eq!(rig.plc.state(), State::Stopped);
-    assert_eq!(rig.system(SystemVariable::LastApplicationError), 0);
-    assert_eq!(rig.system(SystemVariable::LastStopCause), 0);
-    assert_eq!(rig.system(SystemVariable::BootProjectStatus), 0xFFFF);
+    assert_eq!(rig.system(PlcRead::LastApplicationError), 0);
+    assert_eq!(rig.system(PlcRead::LastStopCause), 0);
+    assert_eq!(rig.system(PlcRead::BootProjectStatus), 0xFFFF);
 }
 
 #[test]
@@ -163,8 +164,8 @@ fn full_load_needs_an_unbroken_second_of_controller_tasks() {
     let mut rig = with(background, vec![vec![(333, Act::Loop)]]);
     rig.to(run_at(ms(5_000)));
     assert_eq!(rig.states().last(), Some(&(run_at(ms(3_010)), State::Halt)));
-    assert_eq!(rig.system(SystemVariable::LastApplicationError), 0x0105);
-    assert_eq!(rig.system(SystemVariable::LastStopCause), 0x03);
+    assert_eq!(rig.system(PlcRead::LastApplicationError), 0x0105);
+    assert_eq!(rig.system(PlcRead::LastStopCause), 0x03);
     // One nanosecond of rest in each 500 ms is enough; cycles that follow without a gap are no rest.
     for (interval, cycle, ends) in
         [(ms(500), us(500_000) - Span::from_nanos(1), State::Running), (ms(500), ms(500), State::Booting)]
@@ -199,13 +200,13 @@ fn faults_end_in_their_class() {
     );
     rig.after(ms(1));
     assert_eq!(rig.states().last(), Some(&(run_at(us(7)), State::Halt)));
-    assert_eq!(rig.system(SystemVariable::LastApplicationError), 0x0102);
-    assert_eq!(rig.system(SystemVariable::LastStopCause), 0x03);
+    assert_eq!(rig.system(PlcRead::LastApplicationError), 0x0102);
+    assert_eq!(rig.system(PlcRead::LastStopCause), 0x03);
     assert_eq!(rig.edges(4), [], "the cycle never wrote its outputs");
     let mut rig = with(|_| {}, vec![vec![(5_000, Act::Fault(FaultClass::System))]]);
     rig.after(ms(2_000));
     assert_eq!(rig.plc.state(), State::Empty);
-    assert_eq!(rig.system(SystemVariable::LastStopCause), 0x03);
+    assert_eq!(rig.system(PlcRead::LastStopCause), 0x03);
 }
 
 /// A variable that changes with the last operation of a cycle, just as the watchdog's time is over: watching it must

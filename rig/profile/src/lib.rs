@@ -53,8 +53,11 @@ pub use module::{
 pub use port::{Port, PortKind, SerialMedia};
 pub use reference::{Family, REFERENCES, Reference, RegularOutputs};
 pub use system::{
-    FILE_HANDLES, FIRMWARE_VERSION, READ_TABLE, RESERVED_REGISTERS, SERIAL_NUMBER, SYSTEM_REGISTERS,
-    SYSTEM_WRITE_REGISTERS, SystemField, TABLE_WORDS, VENDOR_ID, VENDOR_NAME, WRITABLE_FIELDS, WRITE_TABLE,
+    BusWrite, ENUMERATIONS, Enumeration, EthernetRead, EthernetWrite, FILE_HANDLES, FIRMWARE_VERSION,
+    MemberSource, MemberType, ModuleRead, PlcRead, PlcWrite, ProfibusRead, READ_TABLE, REGISTER_RANGES,
+    RESERVED_REGISTERS, RegisterPermission, RegisterRange, RegisterRangeKind, SERIAL_INDICES, SERIAL_NUMBER,
+    SYSTEM_NAMESPACE, SYSTEM_REGISTERS, SYSTEM_WRITE_REGISTERS, SerialRead, SerialWrite, SystemField,
+    SystemMember, SystemStructure, SystemVariable, TABLE_WORDS, VENDOR_ID, VENDOR_NAME, WRITE_TABLE,
     text_words,
 };
 pub use tree::{FLASH_BYTES, SYSTEM_LOG_BYTES, TreeEntry, USER_DISK_BYTES};

@@ -91,11 +91,11 @@ const MOST_SOURCES: usize = 4000;
 /// # Errors
 /// The findings: at least one error, and at most [`ProgramLimits::errors`]; warnings among them.
 pub fn compile(sources: &[SourceFile], options: &Options) -> Result<Program, Vec<Diagnostic>> {
+    let own = sources.len().saturating_sub(options.provided);
     let mut needed = vendor::needed(sources);
     if needed.is_empty() {
-        return compile_all(sources, sources.len(), options);
+        return compile_all(sources, own, options);
     }
-    let own = sources.len();
     needed.splice(0..0, sources.iter().cloned());
     compile_all(&needed, own, options)
 }

@@ -3,6 +3,7 @@
 use crate::native::{Native, STANDARD};
 use crate::types::{Elementary, TypeClass};
 use signal::AddressLimits;
+use std::borrow::Cow;
 
 /// Modelled time of each operation of the source, in nanoseconds (controller:PERF-01, controller:PERF-03).
 ///
@@ -238,7 +239,7 @@ impl Default for ProgramLimits {
 }
 
 /// The settings of a compilation.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Options {
     /// Modelled time of the operations.
     pub costs: Costs,
@@ -247,7 +248,9 @@ pub struct Options {
     /// The function blocks that are not written in Structured Text.
     pub blocks: &'static [Native],
     /// Names of global variables that are not assigned to: whoever runs the program writes them.
-    pub read_only: &'static [&'static str],
+    pub read_only: Cow<'static, [&'static str]>,
+    /// How many of the last sources are not the user's, who is not warned of what stands in them.
+    pub provided: usize,
     /// The sources are a library: nothing has to run.
     pub library: bool,
 }
@@ -259,7 +262,8 @@ impl Default for Options {
             costs: Costs::default(),
             limits: ProgramLimits::default(),
             blocks: STANDARD,
-            read_only: &[],
+            read_only: Cow::Borrowed(&[]),
+            provided: 0,
             library: false,
         }
     }

@@ -1,9 +1,10 @@
 //! Forcing: who may force, and when it ends (controller: section 12).
 
 use super::Controller;
-use crate::{CommandError, ForcedPlaces, State};
+use crate::probes::class;
+use crate::{CommandError, Effects, ForcedPlaces, State};
 use profile::IoChannel;
-use signal::Address;
+use signal::{Address, Cause, Time};
 
 impl Controller {
     /// Forcing acts at the next end of the output's task (controller:FRC-05) or read of the inputs.
@@ -38,14 +39,21 @@ impl Controller {
     }
 
     /// The tool connects (controller:FRC-01).
-    pub(super) fn log_in(&mut self) -> Result<(), CommandError> {
+    pub(super) fn log_in(&mut self, now: Time, fx: &mut Effects) -> Result<(), CommandError> {
         self.state.status().ok_or(CommandError::State(self.state))?;
         self.power.tool_connected = true;
+        // The port of the tool shows it.
+        self.observe(class::STATE, now, Cause::Controller, fx);
         Ok(())
     }
 
     /// The tool disconnects and keeps forcing, or ends it (controller:FRC-03).
-    pub(super) fn log_out(&mut self, keep_forcing: bool) -> Result<(), CommandError> {
+    pub(super) fn log_out(
+        &mut self,
+        keep_forcing: bool,
+        now: Time,
+        fx: &mut Effects,
+    ) -> Result<(), CommandError> {
         self.state.status().ok_or(CommandError::State(self.state))?;
         if !self.power.tool_connected {
             return Err(CommandError::NotConnected);
@@ -54,6 +62,7 @@ impl Controller {
         if !keep_forcing {
             self.clear_forcing();
         }
+        self.observe(class::STATE, now, Cause::Controller, fx);
         Ok(())
     }
 }

@@ -15,7 +15,7 @@ impl Controller {
         }
         self.attend_to(probe);
         let number = self.probes.add(probe, self.read(&probe));
-        if matches!(probe, Probe::System(_)) {
+        if matches!(probe, Probe::System(_) | Probe::Register(_)) {
             self.start_clocks();
         }
         number
@@ -91,7 +91,7 @@ impl Controller {
     /// Reports the changes of observed values of these classes; the program sees its system variables change, too.
     #[inline]
     pub(super) fn observe(&mut self, classes: u16, at: Time, cause: Cause, fx: &mut Effects) {
-        if classes & class::STATE != 0 {
+        if classes & (class::STATE | class::FILE) != 0 {
             self.show_system();
         }
         if self.probes.has_class(classes) {

@@ -3,16 +3,13 @@
 
 use super::Controller;
 use crate::location::{memory_bytes, with_word, word_of};
-use crate::probes::class;
-use crate::registers::{Block, block, signature_word, word_address};
+use crate::registers::{part_of, word_address};
 use crate::relocation::{RelocationTable, RelocationTarget};
 use crate::{
     Application, Effects, ExtentStart, Probe, RegisterError, RegisterFormat, RegisterProbe, RelocationPart,
-    RelocationRow, SystemVariable, VariableLocation,
+    RelocationRow, VariableLocation,
 };
-use profile::{
-    FILE_HANDLES, FIRMWARE_VERSION, Profile, SERIAL_NUMBER, SystemField, USER_DISK_BYTES, VENDOR_NAME,
-};
+use profile::{RegisterPermission, RegisterRange, RegisterRangeKind, SystemField, SystemVariable};
 use signal::{Cause, Time, Value};
 
 impl Controller {
@@ -64,43 +61,58 @@ impl Controller {
 
     /// Whether a register may be written (controller:MEM-07).
     fn is_open(&self, register: u16) -> bool {
-        let first_edition = self.config.profile == Profile::M241_2014;
-        match block(register) {
-            Block::Memory | Block::SystemWrite | Block::Table(RelocationPart::Write) => true,
-            Block::System | Block::Reserved => false,
-            Block::Table(RelocationPart::Read) => {
-                first_edition && self.registers.table().at(RelocationPart::Read, register).is_none()
-            }
-        }
+        self.permission(register).writes()
+    }
+
+    /// What a request may do with a register.
+    fn permission(&self, register: u16) -> RegisterPermission {
+        let range = RegisterRange::of(register);
+        let declared =
+            part_of(range.kind).is_some_and(|part| self.registers.table().at(part, register).is_some());
+        range.permission(self.config.profile, declared)
     }
 
     fn register(&self, register: u16) -> Result<u16, RegisterError> {
-        let first_edition = self.config.profile == Profile::M241_2014;
-        match block(register) {
-            Block::Memory => {
+        if !self.permission(register).reads() {
+            return Err(RegisterError::IllegalAddress);
+        }
+        match RegisterRange::of(register).kind {
+            RegisterRangeKind::Memory => {
                 let load = |at| self.memory.load(at) as u16;
                 word_address(register).map(load).ok_or(RegisterError::IllegalAddress)
             }
-            Block::System => {
+            RegisterRangeKind::System => {
                 let found = SystemField::located(self.config.profile, register);
-                Ok(found.map_or(0, |(field, word)| self.field_word(field, word)))
+                Ok(found.map_or(0, |(field, word)| self.field_word(field, 0, word)))
             }
-            Block::Table(part) => match self.registers.table().at(part, register) {
-                // What is declared in the write table may only be written in 2014 (controller:MEM-07).
-                Some(_) if first_edition && part == RelocationPart::Write => {
-                    Err(RegisterError::IllegalAddress)
-                }
-                Some((target, word)) => Ok(self.target_word(target, word)),
-                None => Ok(self.registers.loose(part, register)),
-            },
-            Block::SystemWrite => Ok(0),
-            Block::Reserved => Err(RegisterError::IllegalAddress),
+            RegisterRangeKind::ReadTable => Ok(self.table_word(RelocationPart::Read, register)),
+            RegisterRangeKind::WriteTable => Ok(self.table_word(RelocationPart::Write, register)),
+            RegisterRangeKind::SystemWrite | RegisterRangeKind::Reserved => Ok(0),
+        }
+    }
+
+    fn table_word(&self, part: RelocationPart, register: u16) -> u16 {
+        match self.registers.table().at(part, register) {
+            Some((target, word)) => self.target_word(target, word),
+            None => self.registers.loose(part, register),
+        }
+    }
+
+    /// The member of a system structure that a row of the relocation table puts into a register.
+    pub(super) fn field_at(&self, register: u16) -> Option<SystemField> {
+        let part = part_of(RegisterRange::of(register).kind)?;
+        match self.registers.table().at(part, register)? {
+            (RelocationTarget::Member(field, _), _) => Some(field),
+            _ => None,
         }
     }
 
     fn target_word(&self, target: RelocationTarget, word: u16) -> u16 {
         match target {
-            RelocationTarget::System(field) => self.field_word(field, word),
+            RelocationTarget::Member(field, part) => self.field_word(field, part, word),
+            RelocationTarget::Variable(variable) => {
+                word_of(RegisterFormat::Whole(4), self.read_system(variable), word)
+            }
             RelocationTarget::Application(located) => self.located_word(located, word),
         }
     }
@@ -126,42 +138,27 @@ impl Controller {
     }
 
     fn set_register(&mut self, now: Time, register: u16, value: u16, cause: Cause, fx: &mut Effects) {
-        match block(register) {
-            Block::Memory => {
-                if let Some(at) = word_address(register) {
-                    self.memory.set_cause(cause);
-                    self.memory.store(at, u64::from(value));
-                }
-            }
-            Block::Table(part) => match self.registers.table().at(part, register) {
-                Some((RelocationTarget::System(field), _)) => self.set_field(now, field, value, fx),
-                Some((RelocationTarget::Application(located), word)) => {
-                    self.set_located(located, word, value, cause)
-                }
-                None => self.registers.set_loose(part, register, value),
-            },
-            Block::System | Block::SystemWrite | Block::Reserved => {}
+        let kind = RegisterRange::of(register).kind;
+        if kind == RegisterRangeKind::Memory
+            && let Some(at) = word_address(register)
+        {
+            self.memory.set_cause(cause);
+            self.memory.store(at, u64::from(value));
         }
-    }
-
-    /// A client writes a system variable; one that is only read stays as it is, wherever it was put.
-    fn set_field(&mut self, now: Time, field: SystemField, value: u16, fx: &mut Effects) {
-        let commands = match field {
-            SystemField::PlcControl => SystemVariable::PlcControl,
-            SystemField::OpenPlcControl => SystemVariable::OpenPlcControl,
-            SystemField::Writable(place) => {
-                // PLC_W.q_wResetCounterEvent acts as it goes from 0 to 1 (plcsystem:PLCR-11).
-                if (place, self.registers.writable(place), value) == (0, 0, 1) {
-                    self.system.events = 0;
-                    self.observe(class::STATE, now, Cause::Controller, fx);
-                }
-                self.registers.set_writable(place, value);
-                return;
+        let Some(part) = part_of(kind) else { return };
+        match self.registers.table().at(part, register) {
+            // One that is only read stays as it is, wherever it was put; and what the state does not take is no error
+            // (controller:CMD-01).
+            Some((RelocationTarget::Member(field, part), _)) => {
+                let _ =
+                    self.write_system(SystemVariable { field, part }, Value::Word(u64::from(value)), now, fx);
             }
-            _ => return,
-        };
-        // A command that the state does not take is no error (controller:CMD-01).
-        let _ = self.write_system(commands, Value::Word(u64::from(value)), now, fx);
+            Some((RelocationTarget::Variable(_), _)) => {}
+            Some((RelocationTarget::Application(located), word)) => {
+                self.set_located(located, word, value, cause)
+            }
+            None => self.registers.set_loose(part, register, value),
+        }
     }
 
     fn set_located(&mut self, located: VariableLocation, word: u16, value: u16, cause: Cause) {
@@ -194,59 +191,6 @@ impl Controller {
         }
     }
 
-    /// A register of a system variable (controller:SYS-06); what no document gives is a rig definition.
-    fn field_word(&self, field: SystemField, word: u16) -> u16 {
-        use SystemField as Field;
-        let part = |bits: u64| (bits >> (16 * u32::from(word.min(3)))) as u16;
-        let text = |text: &str| {
-            let byte = |at: usize| text.as_bytes().get(at).copied().unwrap_or(0);
-            u16::from_le_bytes([byte(usize::from(word) * 2), byte(usize::from(word) * 2 + 1)])
-        };
-        let signature = self.application.as_ref().map_or(0, |application| application.signature());
-        match field {
-            Field::VendorId => self.system_word(SystemVariable::VendorId, word),
-            Field::ProductId => self.config.reference.product_id(),
-            Field::SerialNumber => part(u64::from(SERIAL_NUMBER)),
-            Field::FirmwareVersion | Field::BootVersion | Field::CoprocessorVersion => {
-                part(u64::from(u32::from_le_bytes(FIRMWARE_VERSION)))
-            }
-            Field::HardwareVersion => 0,
-            Field::Status => self.system_word(SystemVariable::Status, word),
-            Field::BootProjectStatus => self.system_word(SystemVariable::BootProjectStatus, word),
-            Field::LastStopCause => self.system_word(SystemVariable::LastStopCause, word),
-            Field::LastApplicationError => self.system_word(SystemVariable::LastApplicationError, word),
-            Field::SystemFault1 => self.system_word(SystemVariable::SystemFault1, word),
-            Field::SystemFault2 => u16::MAX,
-            Field::IoStatus1 => self.system_word(SystemVariable::IoStatus1, word),
-            Field::IoStatus2 => self.system_word(SystemVariable::IoStatus2, word),
-            Field::Battery => self.system_word(SystemVariable::ClockBatteryStatus, word),
-            Field::LastStopTime => self.system_word(SystemVariable::LastStopTime, word),
-            Field::LastPowerOffDate => self.system_word(SystemVariable::LastPowerOffDate, word),
-            Field::EventsCounter => self.system_word(SystemVariable::EventsCounter, word),
-            Field::RunStopInput => self.system_word(SystemVariable::RunStopInput, word),
-            Field::PlcControl => self.system_word(SystemVariable::PlcControl, word),
-            Field::OpenPlcControl => self.system_word(SystemVariable::OpenPlcControl, word),
-            Field::Signature(place) => part(signature_word(signature, place)),
-            Field::VendorName => text(VENDOR_NAME),
-            Field::ProductReference => text(self.config.reference.name),
-            // A controller without a configured name has its reference as name (rig definition).
-            Field::NodeName => text(self.config.reference.name),
-            Field::FreeFileHandles => FILE_HANDLES,
-            Field::TotalBytes => part(USER_DISK_BYTES),
-            Field::FreeBytes => part(self.files.free_bytes()),
-            // None or connected: a tool is there at once (controller:SYS-06).
-            Field::TerminalPort => 2 * u16::from(self.power.tool_connected),
-            Field::SdCard => 0,
-            Field::Tm3Bus => self.system_word(SystemVariable::Tm3BusState, word),
-            Field::Writable(place) => self.registers.writable(place),
-        }
-    }
-
-    /// A register of a system variable; 0 where it is not known.
-    fn system_word(&self, variable: SystemVariable, word: u16) -> u16 {
-        word_of(RegisterFormat::Whole(4), self.read_system(variable), word)
-    }
-
     /// Packs the relocation table for an application, or for none.
     pub(super) fn relocate(&mut self) {
         let application = self.application.as_deref();
@@ -255,6 +199,7 @@ impl Controller {
             .unwrap_or_default();
         self.registers.set_table(table);
         self.watch_rows();
+        self.start_clocks();
     }
 
     /// Whether the relocation table fits with this application; else its first row that does not.
@@ -303,11 +248,14 @@ impl Controller {
     }
 
     pub(super) fn watch_register(&mut self, register: u16) {
-        let located = match block(register) {
-            Block::Memory => word_address(register).map(|at| (VariableLocation::Memory(at), 0)),
-            Block::Table(part) => match self.registers.table().at(part, register) {
+        let kind = RegisterRange::of(register).kind;
+        let located = match (kind, part_of(kind)) {
+            (RegisterRangeKind::Memory, _) => {
+                word_address(register).map(|at| (VariableLocation::Memory(at), 0))
+            }
+            (_, Some(part)) => match self.registers.table().at(part, register) {
                 Some((RelocationTarget::Application(located), word)) => Some((located, word)),
-                Some((RelocationTarget::System(_), _)) | None => None,
+                Some((RelocationTarget::Member(..) | RelocationTarget::Variable(_), _)) | None => None,
             },
             _ => None,
         };

@@ -49,7 +49,8 @@ impl Controller {
             self.complete_boot_application();
             self.observe(class::STATE | class::FILE, now, Cause::Controller, fx);
         }
-        if self.remanent.fire(now, self.files.store_mut())
+        if self.remanent.next() <= now
+            && self.remanent.fire(now, self.files.store_mut())
             && self.scheduler.is_between_cycles()
             && self.state != State::Halt
         {

@@ -118,7 +118,7 @@ impl Controller {
     pub(super) fn install(&mut self, application: Box<dyn Application>, bundle: &[u8]) {
         self.application = Some(application);
         self.bundle = bundle.to_vec();
-        self.clear_plc_w();
+        self.clear_commands();
         self.scheduler.begin_application();
         self.attach();
     }

@@ -1,5 +1,6 @@
 //! An application of explicit operations, a store in memory, and a clock that drives a controller.
 
+use profile::SystemVariable;
 use scanrig_controller::*;
 use signal::{Address, Cause, Level, Span, Time, Value};
 use std::collections::BTreeMap;
@@ -470,7 +471,8 @@ impl Rig {
         self.to(self.now + span);
     }
 
-    pub fn system(&self, variable: SystemVariable) -> u64 {
+    pub fn system(&self, variable: impl Into<SystemVariable>) -> u64 {
+        let variable = variable.into();
         match self.plc.read(&Probe::System(variable)) {
             Value::Word(n) => n,
             other => panic!("{variable:?} is {other:?}"),

@@ -328,7 +328,7 @@ impl<'t> Parser<'t, '_, '_> {
                 "the controllers' tool takes single ones only",
             );
         }
-        if text.len() > LONG_NAME {
+        if self.own && text.len() > LONG_NAME {
             let message = format!("`{text}` is longer than {LONG_NAME} characters");
             self.findings.warning(Code::LongName, at, message, "the controllers promise 32 characters");
         }

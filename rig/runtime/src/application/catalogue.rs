@@ -6,9 +6,12 @@ use crate::application::module_terminals::ModuleTerminals;
 use crate::application::observable::Observable;
 use crate::application::taken_values::TakenValues;
 use crate::application::variable_numbers::VariableNumbers;
-use controller::{Config, Led, Probe, SystemType, SystemVariable, TaskConfig};
+use controller::{Config, Led, Probe, TaskConfig};
 use expert::ExpertConfig;
-use profile::{ConfiguredModule, IoChannel, Profile, Reference, module_indices};
+use profile::{
+    ConfiguredModule, IoChannel, MemberType, Profile, Reference, SystemStructure, SystemVariable,
+    module_indices,
+};
 use program::{Elementary, Program, Storage};
 use signal::{Address, ValueKind};
 use std::sync::Arc;
@@ -137,27 +140,25 @@ impl Catalogue {
         let variables = variables.chain(functions::names(&self.functions));
         let leds = Led::ALL.iter().flat_map(|led| ["", ".lit"].map(|end| format!("LED.{}{end}", led.name())));
         // Of the expansion bus only what there is.
-        let is_there = |variable: &&SystemVariable| match **variable {
-            SystemVariable::ModuleId(index) | SystemVariable::ModuleState(index) => {
-                self.modules.contains(&usize::from(index))
-            }
-            SystemVariable::BusErrorPassive | SystemVariable::BusRestart if self.modules.is_empty() => false,
-            _ => variable.exists(self.profile),
+        let is_there = |variable: &SystemVariable| match variable.field.structure() {
+            SystemStructure::Tm3ModuleR => self.modules.contains(&usize::from(variable.part)),
+            SystemStructure::Tm3BusW => !self.modules.is_empty(),
+            _ => true,
         };
-        let known = SystemVariable::ALL.iter().filter(is_there);
-        let system = known.map(|variable| variable.name().to_owned());
+        let system = SystemVariable::all(self.profile).filter(is_there).map(|variable| variable.to_string());
         variables.chain(system).chain(leds).collect()
     }
 
     /// The system variable of this name, where a controller of the profile has it.
     fn system_variable(&self, name: &str) -> Option<SystemVariable> {
-        SystemVariable::find(name).filter(|variable| variable.exists(self.profile))
+        SystemVariable::find(name, self.profile)
     }
 
     /// What a name means: a system variable, an indicator, a fact of a function, an address, or a variable's path.
     pub fn observable(&self, name: &str) -> Option<Observable> {
         if let Some(variable) = self.system_variable(name) {
-            let kind = if variable.ty() == SystemType::Bool { ValueKind::Bool } else { ValueKind::Word };
+            let is_bit = variable.ty(self.profile) == MemberType::Bool;
+            let kind = if is_bit { ValueKind::Bool } else { ValueKind::Word };
             return Some(Observable { probe: Probe::System(variable), kind });
         }
         if let Some(found) = indicator(name, self.reference.output_count()) {
@@ -205,8 +206,8 @@ impl Catalogue {
     /// variable of several types in several programs.
     pub fn taken(&self, name: &str) -> Option<TakenValues> {
         if let Some(variable) = self.system_variable(name) {
-            return Some(match variable.ty() {
-                SystemType::Bool => TakenValues::Level,
+            return Some(match variable.ty(self.profile) {
+                MemberType::Bool => TakenValues::Level,
                 ty => TakenValues::Whole(0, (1 << ty.bits()) - 1),
             });
         }
@@ -221,7 +222,7 @@ impl Catalogue {
     /// The least and the greatest value that a whole number can have; `None` for times, real numbers and what is not known.
     pub fn bounds(&self, name: &str) -> Option<(i128, i128)> {
         if let Some(variable) = self.system_variable(name) {
-            return Some((0, (1 << variable.ty().bits()) - 1));
+            return Some((0, (1 << variable.ty(self.profile).bits()) - 1));
         }
         if indicator(name, self.reference.output_count()).is_some()
             || inputs::observable(name, self.reference.input_count()).is_some()

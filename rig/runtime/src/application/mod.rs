@@ -5,7 +5,6 @@ pub mod blocks;
 pub mod bundle;
 pub mod catalogue;
 pub mod coverage;
-mod enumerations;
 pub mod functions;
 pub(crate) mod image_places;
 pub(crate) mod inputs;
@@ -81,9 +80,10 @@ fn compile_with(
     profile: Profile,
     options: Options,
 ) -> Result<Program, Vec<Diagnostic>> {
+    let given = sources.len();
     let (sources, read_only) = with_system(sources, profile);
-    let blocks = blocks::blocks(&sources);
-    program::compile(&sources, &Options { read_only, blocks, ..options })
+    let (blocks, provided) = (blocks::blocks(&sources), sources.len() - given);
+    program::compile(&sources, &Options { read_only, blocks, provided, ..options })
 }
 
 /// What a check of a program says besides its findings: types that this controller's documents do not list

@@ -241,7 +241,7 @@ impl Directory {
         let Observable { probe, kind } = found;
         let writable = match probe {
             Probe::Address(_) | Probe::Variable(_) => true,
-            Probe::System(variable) => variable.is_written(),
+            Probe::System(variable) => variable.is_writable(),
             _ => false,
         };
         let spelling = match probe {

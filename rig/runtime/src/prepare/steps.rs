@@ -412,7 +412,7 @@ fn bundle(
 fn is_written(probe: Probe) -> bool {
     match probe {
         Probe::Address(_) | Probe::Variable(_) | Probe::Register(_) => true,
-        Probe::System(variable) => variable.is_written(),
+        Probe::System(variable) => variable.is_writable(),
         _ => false,
     }
 }

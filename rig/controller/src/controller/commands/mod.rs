@@ -52,8 +52,8 @@ impl Controller {
                 self.clear_breakpoints(now, fx);
                 Ok(())
             }
-            Command::LogIn => self.log_in(),
-            Command::LogOut { keep_forcing } => self.log_out(keep_forcing),
+            Command::LogIn => self.log_in(now, fx),
+            Command::LogOut { keep_forcing } => self.log_out(keep_forcing, now, fx),
             Command::Identify(on) => self.identify(on, now, fx),
             Command::SetClock { seconds } => self.set_clock(seconds, now),
         };

@@ -26,6 +26,7 @@ impl Controller {
         self.system.first_cycle = FirstCycle::after(reset);
         self.memory.reset(|word| !application.associates(word));
         application.initialize(&mut self.memory);
+        self.show_fixed();
         if reset == VariableReset::COLD {
             self.io.reset_functions(now);
             self.system.events = 0;
@@ -44,6 +45,6 @@ impl Controller {
         self.clear_forcing();
         self.io.reset_protection();
         self.clear_errors(stopped);
-        self.clear_plc_w();
+        self.clear_commands();
     }
 }
