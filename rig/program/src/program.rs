@@ -302,6 +302,11 @@ impl Program {
         found
     }
 
+    /// Bytes of its variables and constants.
+    pub fn memory_bytes(&self) -> usize {
+        self.image.len()
+    }
+
     /// Names of the sources; their places are those of `file` everywhere.
     pub fn files(&self) -> &[String] {
         &self.files

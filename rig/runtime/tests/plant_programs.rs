@@ -198,6 +198,23 @@ fn the_program_of_a_plant_is_a_part_of_the_board() {
     assert_eq!(one, hashes("1"));
 }
 
+// Each plant has the variables for itself, though they share the code.
+#[test]
+fn the_variables_of_all_plants_have_a_limit_together() {
+    let plant = "PROGRAM P VAR_OUTPUT n : DINT; END_VAR VAR all : ARRAY [0..1000000] OF BYTE; END_VAR n := 1; END_PROGRAM";
+    let check = |count: usize| {
+        let one = |n: usize| {
+            format!("[[plants]]\nkind = \"program\"\nname = \"p{n}\"\nprogram = \"plant.st\"\nperiod = \"1 s\"\n")
+        };
+        let more: String = (1..count).map(one).collect();
+        let (plan, board) = (plan(ENDS), board("1 s", &format!("outputs = {{ n = \"x\" }}\n{more}")));
+        Texts(&[("plan.toml", &plan), ("board.toml", &board), ("plant.st", plant)]).checked()
+    };
+    assert!(check(60).is_ok());
+    let found = check(70).unwrap_err();
+    assert!(found[0].code == "B0512" && found[0].message.contains("64 MiB"), "{found:#?}");
+}
+
 // Plants of one file share its code, and nothing else.
 #[test]
 fn one_program_is_several_plants() {

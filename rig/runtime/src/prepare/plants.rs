@@ -46,7 +46,7 @@ pub(super) fn plant_parameter(
         return None;
     }
     let parameters = spec.parameters();
-    let Some(at) = parameters.iter().position(|one| one.name == parameter) else {
+    let Some(at) = parameters.iter().position(|one| one.name.eq_ignore_ascii_case(parameter)) else {
         let help = match parameters.is_empty() {
             true => String::from("none of it can be set"),
             false => known(parameter, parameters.iter().map(|one| one.name.as_str()).collect()),

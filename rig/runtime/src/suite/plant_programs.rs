@@ -15,6 +15,8 @@ use std::sync::Arc;
 
 /// Bytes of the variables and constants of a plant's program: a board has up to 4096 plants.
 const MEMORY: u32 = 1 << 20;
+/// The same of all plants of a board together.
+const TOGETHER: usize = 64 << 20;
 /// The compiler's code of an address that does not exist.
 const NO_ADDRESS: &str = "S0207";
 /// What a cycle may cost by [`Costs::COUNTED`]: some ten milliseconds of the host, whatever the program does.
@@ -36,6 +38,8 @@ pub(crate) struct ReadPrograms {
     pub(crate) warnings: Vec<Diagnostic>,
     /// Programs by the paths of their files: plants share them.
     compiled: Vec<(Vec<String>, Arc<CompiledProgram>)>,
+    /// The bytes of the variables of all plants so far: each has its own.
+    bytes: usize,
 }
 
 impl<'a> BoardPrograms<'a> {
@@ -47,6 +51,18 @@ impl<'a> BoardPrograms<'a> {
     /// What was read.
     pub(crate) fn into_read(self) -> ReadPrograms {
         self.read.into_inner()
+    }
+
+    /// The program of another plant, whose variables there is room for.
+    fn counted(&self, of: Arc<CompiledProgram>) -> Result<Arc<dyn PlantProgram>, PlantProgramError> {
+        let mut read = self.read.borrow_mut();
+        read.bytes = read.bytes.saturating_add(of.machine.machine.program().memory_bytes());
+        if read.bytes > TOGETHER {
+            let message =
+                format!("the variables of the programs of all plants need more than {} MiB", TOGETHER >> 20);
+            return Err(unsuited(message, "declare less in them, or have one program do the work of several"));
+        }
+        Ok(of)
     }
 
     /// The file of a path.
@@ -69,7 +85,7 @@ impl PlantPrograms for BoardPrograms<'_> {
         let known =
             self.read.borrow().compiled.iter().find(|(of, _)| *of == paths).map(|(_, known)| known.clone());
         if let Some(known) = known {
-            return Ok(known);
+            return self.counted(known);
         }
         let sources: Result<Vec<SourceFile>, Diagnostic> =
             paths.iter().map(|path| self.source(path)).collect();
@@ -84,7 +100,8 @@ impl PlantPrograms for BoardPrograms<'_> {
         let mut read = self.read.borrow_mut();
         read.warnings.extend(warnings);
         read.compiled.push((paths, Arc::clone(&compiled)));
-        Ok(compiled)
+        drop(read);
+        self.counted(compiled)
     }
 }
 
