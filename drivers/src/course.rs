@@ -1,11 +1,12 @@
 //! How a quantity goes on from an instant, in closed form.
 
+mod draining;
+
+use draining::{drained, drained_to};
 use signal::{Span, Time};
 
 /// Nanoseconds in a second.
 const NANOS: f64 = 1e9;
-/// The most steps of Newton's method: of each that is taken at least one digit comes.
-const MAX_STEPS: usize = 100;
 /// Beyond this many seconds nothing is looked for: the range of [`Time`].
 const FAR: f64 = 9.0e9;
 /// Time constants after which nothing is left of an exponential beside a number that it is added to.
@@ -473,75 +474,6 @@ fn zeros(terms: &[f64], amplitude: f64, tau: f64, from: f64) -> Zeros {
     found
 }
 
-/// The root of the level of a tank that empties by its own weight, `s` seconds after it was `root`.
-fn drained(root: f64, fill: f64, drain: f64, s: f64) -> f64 {
-    if fill == 0.0 {
-        return (root - drain * s / 2.0).max(0.0);
-    }
-    let rest = fill / drain;
-    if root == rest || s <= 0.0 {
-        return root;
-    }
-    if rest < 0.0 && s >= drained_to(root, fill, drain, 0.0) {
-        return 0.0;
-    }
-    // Of the part of its way that is left, exp(y), is known that away (exp(y) - 1 - y) + root y + drain s / 2 = 0, written so that
-    // nothing cancels where the rest is far away. The sum bends one way only: Newton's method comes to its zero from where it
-    // begins, without passing it but by rounding.
-    let away = root - rest;
-    let passed = drain * s / 2.0;
-    let (a, k) = (away / rest, passed / rest);
-    let (mut y, upwards) = if a > 0.0 {
-        ((a - k).min(0.0), -1.0)
-    } else if a < -1.0 {
-        (0.0, -1.0)
-    } else {
-        (a - k, 1.0)
-    };
-    for _ in 0..MAX_STEPS {
-        let step = -(away * less_expm1(y) + root * y + passed) / (root + away * libm::expm1(y));
-        let goes_on = step * upwards > 2.0 * f64::EPSILON * libm::fabs(y);
-        if !goes_on {
-            break;
-        }
-        y += step;
-    }
-    // It moves from `root` towards `rest`, and not beyond 0.
-    let u = if y < -1.0 { rest + away * libm::exp(y) } else { root + away * libm::expm1(y) };
-    u.max(0.0)
-}
-
-/// The seconds after which the root of such a level has come from `root` to `u`, which lies on its way.
-fn drained_to(root: f64, fill: f64, drain: f64, u: f64) -> f64 {
-    if fill == 0.0 {
-        return 2.0 * (root - u) / drain;
-    }
-    // -(2 / drain) (u - root + rest ln((u - rest) / (root - rest))), written so that nothing cancels where the rest is far away.
-    let away = root - fill / drain;
-    let part = (u - root) / away;
-    -2.0 / drain * (away * less_log1p(part) + root * libm::log1p(part))
-}
-
-/// `x - ln(1 + x)`, with all its digits also near 0.
-fn less_log1p(x: f64) -> f64 {
-    if libm::fabs(x) > 0.1 {
-        return x - libm::log1p(x);
-    }
-    // x^2 / 2 - x^3 / 3 + x^4 / 4 and so on: what comes after 18 terms is less than rounding.
-    let sum = (2..20).rev().fold(0.0, |sum, n| 1.0 / f64::from(n) - x * sum);
-    x * x * sum
-}
-
-/// `exp(x) - 1 - x`, with all its digits also near 0.
-fn less_expm1(x: f64) -> f64 {
-    if libm::fabs(x) > 0.1 {
-        return libm::expm1(x) - x;
-    }
-    // x^2 / 2! + x^3 / 3! and so on: what comes after 10 terms is less than rounding.
-    let sum = (3..13).rev().fold(0.0, |sum, n| (1.0 + sum) * x / f64::from(n));
-    x * x / 2.0 * (1.0 + sum)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -591,36 +523,6 @@ mod tests {
                 if step % 1_000 == 0 {
                     let exact = course.value(at(s + S));
                     assert!((exact - y).abs() < 1e-4, "{course:?} at {s}: {exact} {y}");
-                }
-            }
-        }
-    }
-
-    /// The root after a time against a search for it by the time that it takes to each root.
-    #[test]
-    fn a_level_by_its_own_weight_is_the_one_that_takes_the_time() {
-        for root in [0.0, 1e-6, 0.3, 1.0, 4.0] {
-            for fill in [-2.0, -0.3, -1e-6, 1e-6, 0.1, 0.35, 2.0] {
-                for drain in [1e-3, 0.2, 1.0] {
-                    for s in [1e-9, 1e-4, 0.02, 0.7, 5.0, 60.0, 3600.0, 1e7] {
-                        let (mut near, mut far) = (root, f64::max(fill / drain, 0.0));
-                        if fill < 0.0 && s >= drained_to(root, fill, drain, 0.0) {
-                            near = 0.0;
-                        }
-                        for _ in 0..200 {
-                            let middle = near + (far - near) / 2.0;
-                            let early = drained_to(root, fill, drain, middle) < s;
-                            if early { near = middle } else { far = middle }
-                        }
-                        let found = drained(root, fill, drain, s);
-                        let what = format!("{root} {fill} {drain} {s}: {found} {near}");
-                        // Either is exact where the other is not: the root, and the time that it takes.
-                        let is_there = (found - near).abs() < 1e-7 * root.max(near).max(1e-9);
-                        let rounding = 1e-14 * (root + (fill / drain).abs()) / drain;
-                        let takes = drained_to(root, fill, drain, found);
-                        assert!(is_there || (takes - s).abs() < 1e-9 * s + rounding, "{what} {takes}");
-                        assert!(found >= 0.0, "{what}");
-                    }
                 }
             }
         }
