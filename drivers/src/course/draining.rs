@@ -21,15 +21,21 @@ pub(super) fn drained(root: f64, fill: f64, drain: f64, s: f64) -> f64 {
     let away = root - rest;
     let passed = drain * s / 2.0;
     let (a, k) = (away / rest, passed / rest);
+    // Where it would be if it moved on as fast as it does from `root`. The sum has the sign there that it has at the other
+    // beginning, so the zero lies beyond both: the nearer one saves steps.
+    let first = -passed / root;
     let (mut y, upwards) = if a > 0.0 {
-        ((a - k).min(0.0), -1.0)
+        ((a - k).min(first), -1.0)
     } else if a < -1.0 {
-        (0.0, -1.0)
+        (first, -1.0)
     } else {
-        (a - k, 1.0)
+        ((a - k).max(first), 1.0)
     };
+    let mut grown = 0.0;
     for _ in 0..MAX_STEPS {
-        let step = -(away * less_expm1(y) + root * y + passed) / (root + away * libm::expm1(y));
+        let less;
+        (grown, less) = expm1_and_less(y);
+        let step = -(away * less + root * y + passed) / (root + away * grown);
         let goes_on = step * upwards > 2.0 * f64::EPSILON * libm::fabs(y);
         if !goes_on {
             break;
@@ -37,7 +43,7 @@ pub(super) fn drained(root: f64, fill: f64, drain: f64, s: f64) -> f64 {
         y += step;
     }
     // It moves from `root` towards `rest`, and not beyond 0.
-    let u = if y < -1.0 { rest + away * libm::exp(y) } else { root + away * libm::expm1(y) };
+    let u = if y < -1.0 { rest + away * libm::exp(y) } else { root + away * grown };
     u.max(0.0)
 }
 
@@ -62,14 +68,29 @@ fn less_log1p(x: f64) -> f64 {
     x * x * sum
 }
 
-/// `exp(x) - 1 - x`, with all its digits also near 0.
-fn less_expm1(x: f64) -> f64 {
-    if libm::fabs(x) > 0.1 {
-        return libm::expm1(x) - x;
+/// What `x^2`, `x^3` and so on are multiplied by in `exp(x) - 1 - x`: 1 / 2!, 1 / 3! and so on.
+const FACTORS: [f64; 10] = {
+    let (mut factors, mut product, mut n) = ([0.0; 10], 2.0, 0);
+    while n < factors.len() {
+        factors[n] = 1.0 / product;
+        product *= n as f64 + 3.0;
+        n += 1;
     }
-    // x^2 / 2! + x^3 / 3! and so on: what comes after 10 terms is less than rounding.
-    let sum = (3..13).rev().fold(0.0, |sum, n| (1.0 + sum) * x / f64::from(n));
-    x * x / 2.0 * (1.0 + sum)
+    factors
+};
+
+/// `exp(x) - 1`, and `exp(x) - 1 - x`, with all their digits also near 0.
+fn expm1_and_less(x: f64) -> (f64, f64) {
+    let size = libm::fabs(x);
+    if size > 0.1 {
+        let grown = libm::expm1(x);
+        return (grown, grown - x);
+    }
+    // What comes after these factors is less than rounding. They are multiplied and not divided by: each division of a series
+    // would wait for the one before.
+    let factors = if size > 1e-3 { &FACTORS[..] } else { &FACTORS[..5] };
+    let less = x * x * factors.iter().rev().fold(0.0, |sum, factor| sum * x + factor);
+    (x + less, less)
 }
 
 #[cfg(test)]
@@ -101,6 +122,29 @@ mod tests {
                         assert!(is_there || (takes - s).abs() < 1e-9 * s + rounding, "{what} {takes}");
                         assert!(found >= 0.0, "{what}");
                     }
+                }
+            }
+        }
+    }
+    /// Against `expm1`, and against the series with the last of its terms first, each made of the one before.
+    #[test]
+    fn both_parts_of_an_exponential_have_all_their_digits() {
+        for exponent in -40..8 {
+            for part in [1.0, 1.02, 1.3, 1.77] {
+                for x in [part, -part].map(|part| part * f64::from(exponent).exp2()) {
+                    let (grown, less) = expm1_and_less(x);
+                    let exact = libm::expm1(x);
+                    assert!(
+                        (grown - exact).abs() <= 2.0 * f64::EPSILON * exact.abs(),
+                        "{x}: {grown} {exact}"
+                    );
+                    if x.abs() > 0.1 {
+                        assert_eq!(less, exact - x, "{x}");
+                        continue;
+                    }
+                    let sum = (3..20).rev().fold(0.0, |sum, n| (1.0 + sum) * x / f64::from(n));
+                    let exact = x * x / 2.0 * (1.0 + sum);
+                    assert!((less - exact).abs() <= 4.0 * f64::EPSILON * exact, "{x}: {less} {exact}");
                 }
             }
         }
