@@ -153,7 +153,7 @@ pub trait Plant: Send + fmt::Debug {
     }
 
     /// How an analog output goes on, if that is known in closed form and nothing else is on it.
-    fn course(&self, _output: usize) -> Option<Course> {
+    fn course(&self, _output: usize) -> Option<&Course> {
         None
     }
 }

@@ -117,8 +117,8 @@ impl Plant for DeadTime {
         &self.outputs
     }
 
-    fn course(&self, _output: usize) -> Option<Course> {
-        self.course
+    fn course(&self, _output: usize) -> Option<&Course> {
+        self.course.as_ref()
     }
 
     fn waiting(&self) -> usize {

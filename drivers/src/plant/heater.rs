@@ -153,7 +153,7 @@ impl Plant for Heater {
         self.response.outputs()
     }
 
-    fn course(&self, output: usize) -> Option<Course> {
+    fn course(&self, output: usize) -> Option<&Course> {
         self.response.course(output)
     }
 

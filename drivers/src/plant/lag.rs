@@ -247,6 +247,8 @@ pub struct Lag {
     since: Time,
     from: f64,
     target: f64,
+    /// The same as a course.
+    course: Course,
     next_sample: Option<Time>,
     outputs: Vec<Value>,
 }
@@ -280,6 +282,7 @@ impl Lag {
             since: Time::ZERO,
             from: spec.initial,
             target: spec.initial,
+            course: Course::constant(Time::ZERO, spec.initial),
             next_sample: None,
             outputs: vec![Value::HighZ; 1 + spec.switches.len()],
         };
@@ -342,10 +345,15 @@ impl Lag {
         self.from = self.value(now);
         self.since = now;
         change(self);
+        self.note_course();
         self.plan_switches();
         if self.next_sample.is_none_or(|due| due > now) {
             self.plan_sample(now);
         }
+    }
+
+    fn note_course(&mut self) {
+        self.course = Course::lag(self.since, self.from, self.target, span_seconds(self.tau));
     }
 
     /// Sets the next instant of the grid of samples: none where the output stands at its target for good.
@@ -381,6 +389,7 @@ impl Plant for Lag {
             switch.flips = None;
             *output = Value::Bool(switch.on);
         }
+        self.note_course();
         self.plan_switches();
         self.plan_sample(now);
     }
@@ -435,7 +444,7 @@ impl Plant for Lag {
         }
     }
 
-    fn course(&self, output: usize) -> Option<Course> {
-        (output == 0).then(|| Course::lag(self.since, self.from, self.target, span_seconds(self.tau)))
+    fn course(&self, output: usize) -> Option<&Course> {
+        (output == 0).then_some(&self.course)
     }
 }

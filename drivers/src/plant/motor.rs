@@ -270,9 +270,9 @@ impl Plant for Motor {
         &self.outputs
     }
 
-    fn course(&self, output: usize) -> Option<Course> {
+    fn course(&self, output: usize) -> Option<&Course> {
         let (shown, _) = self.shown.as_ref()?;
-        (output == 0).then_some(*shown.course())
+        (output == 0).then_some(shown.course())
     }
 
     fn set(&mut self, now: Time, parameter: usize, value: f64) {

@@ -164,8 +164,8 @@ impl SecondOrder {
         &self.outputs
     }
 
-    pub(super) fn course(&self, output: usize) -> Option<Course> {
-        (output == 0).then_some(*self.value.course())
+    pub(super) fn course(&self, output: usize) -> Option<&Course> {
+        (output == 0).then_some(self.value.course())
     }
 }
 
@@ -202,7 +202,7 @@ impl Plant for SecondOrderPlant {
         self.response.outputs()
     }
 
-    fn course(&self, output: usize) -> Option<Course> {
+    fn course(&self, output: usize) -> Option<&Course> {
         self.response.course(output)
     }
 

@@ -531,8 +531,8 @@ impl Plant for Tank {
         &self.outputs
     }
 
-    fn course(&self, output: usize) -> Option<Course> {
-        (output == 0).then_some(*self.value.course())
+    fn course(&self, output: usize) -> Option<&Course> {
+        (output == 0).then_some(self.value.course())
     }
 
     fn set(&mut self, now: Time, parameter: usize, value: f64) {

@@ -256,10 +256,13 @@ impl Plant for Transmitter {
     }
 
     fn input(&mut self, now: Time, _port: usize, input: &PlantInput) {
-        let before = std::mem::replace(&mut self.input, *input);
         // A further sample of a course that is known changes nothing.
-        let known = self.is_exact && before.course == input.course;
-        if before != *input && !known {
+        if self.is_exact && self.input.course == input.course {
+            self.input.value = input.value;
+            return;
+        }
+        let before = std::mem::replace(&mut self.input, *input);
+        if before != *input {
             self.replan(now);
         }
     }
@@ -284,8 +287,8 @@ impl Plant for Transmitter {
         &self.outputs
     }
 
-    fn course(&self, _output: usize) -> Option<Course> {
-        (!self.errors.broken && self.errors.noise == 0.0).then_some(*self.value.course())
+    fn course(&self, _output: usize) -> Option<&Course> {
+        (!self.errors.broken && self.errors.noise == 0.0).then_some(self.value.course())
     }
 
     fn set(&mut self, now: Time, parameter: usize, value: f64) {

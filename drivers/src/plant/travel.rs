@@ -286,9 +286,9 @@ impl Plant for Travel {
         &self.outputs
     }
 
-    fn course(&self, output: usize) -> Option<Course> {
+    fn course(&self, output: usize) -> Option<&Course> {
         let shown = self.shown.as_ref()?;
-        (output == 0).then_some(*shown.course())
+        (output == 0).then_some(shown.course())
     }
 
     fn set(&mut self, now: Time, parameter: usize, value: f64) {

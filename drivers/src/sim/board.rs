@@ -157,14 +157,27 @@ impl SimulatedBoard {
     }
 
     /// How a line goes on, where one plant drives it and nothing else has a say.
-    fn course(&self, place: usize) -> Option<Course> {
+    #[inline]
+    fn course(&self, place: usize) -> Option<&Course> {
         let (links, line) = (&self.links[place], &self.lines[place]);
         if links.plants_out.is_empty() {
             return None;
         }
         let [(plant, port)] = links.plants_in[..] else { return None };
         let alone = links.wires_in.is_empty() && line.driven == Value::HighZ && !line.has_faults();
-        if alone { self.plants[plant].plant.course(port).filter(Course::is_finite) } else { None }
+        if alone { self.plants[plant].plant.course(port) } else { None }
+    }
+
+    /// How a line goes on, where its plants do not have that yet; a course with an infinite number is none.
+    #[inline]
+    fn new_course(&self, place: usize) -> Option<Option<Course>> {
+        let (course, known) = (self.course(place), &self.links[place].course);
+        // Most often it is the known one, and a course is large: it is compared where it stands.
+        if course == known.as_ref() {
+            return None;
+        }
+        let course = course.copied().filter(Course::is_finite);
+        (course != *known).then_some(course)
     }
 
     /// What a device on the line reads now: as the last poll at the time of the last call would have reported.
@@ -236,9 +249,11 @@ impl SimulatedBoard {
                 self.note_line(place);
                 changed
             };
-            let course = self.course(place);
-            if changed || course != self.links[place].course {
-                self.links[place].course = course;
+            let course = self.new_course(place);
+            if changed || course.is_some() {
+                if let Some(course) = course {
+                    self.links[place].course = course;
+                }
                 self.carry(now, place);
             }
             self.report(now, place);
@@ -364,7 +379,7 @@ impl SimulatedBoard {
             let moved = std::mem::replace(&mut at.driving[port], value) != value;
             if moved {
                 self.mark(line, Origin::Plant);
-            } else if self.course(line) != self.links[line].course {
+            } else if self.new_course(line).is_some() {
                 self.mark(line, self.lines[line].origin);
             }
         }
@@ -447,7 +462,9 @@ impl SimulatedBoard {
         self.health.contentions = self.lines.iter().map(|line| u64::from(line.contended)).sum();
         for place in order {
             self.announce[place] = self.channels[place].senses;
-            self.links[place].course = self.course(place);
+            if let Some(course) = self.new_course(place) {
+                self.links[place].course = course;
+            }
             self.carry(now, place);
             self.mark(place, Origin::Write);
         }
