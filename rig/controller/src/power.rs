@@ -49,9 +49,10 @@ impl Power {
 
     /// When something here is due; [`Time::MAX`] for never.
     pub(crate) fn next(&self) -> Time {
-        let stage = self.stage.map(|(_, end)| end);
-        let times = [self.hold_up, self.refresh, stage, self.cycle_due, self.creating];
-        times.into_iter().fold(Time::MAX, |next, time| time.map_or(next, |time| next.min(time)))
+        let or_never = |time: Option<Time>| time.unwrap_or(Time::MAX);
+        let stage = or_never(self.stage.map(|(_, end)| end));
+        let next = or_never(self.hold_up).min(or_never(self.refresh)).min(stage);
+        next.min(or_never(self.cycle_due)).min(or_never(self.creating))
     }
 
     /// Step of BOOTING, 0...2; the last one also while its end is being worked on.

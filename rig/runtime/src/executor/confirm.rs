@@ -29,7 +29,11 @@ impl PendingWrites {
     }
 
     /// A change of this channel was seen.
+    #[inline]
     pub(super) fn seen(&mut self, channel: ChannelId) {
+        if self.channels.is_empty() {
+            return;
+        }
         self.channels.retain(|awaited| *awaited != channel);
     }
 }

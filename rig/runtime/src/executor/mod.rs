@@ -347,9 +347,15 @@ impl<'a> Executor<'a> {
             loop_counter.add();
         }
         self.end = end;
-        let planned = EventSource::ORDER.map(|source| source.next(self).unwrap_or(Time::MAX));
-        let slice = self.now.saturating_add(self.limits.slice);
-        let next = planned.into_iter().fold(slice.min(self.stepped_until()), Time::min);
+        // By their places: arrays that are mapped and iterated over by value are copied, in each turn.
+        let mut planned = [Time::MAX; EventSource::ORDER.len()];
+        let mut next = self.now.saturating_add(self.limits.slice).min(self.stepped_until());
+        for (place, source) in EventSource::ORDER.iter().enumerate() {
+            if let Some(at) = source.next(self) {
+                planned[place] = at;
+                next = next.min(at);
+            }
+        }
         if next == Time::MAX {
             return Err(RigFault::Stuck { at: self.now });
         }
@@ -368,8 +374,8 @@ impl<'a> Executor<'a> {
         if reached < due {
             return Ok(true);
         }
-        for (source, planned) in EventSource::ORDER.into_iter().zip(planned) {
-            source.fire(self, planned, due)?;
+        for (place, source) in EventSource::ORDER.iter().enumerate() {
+            source.fire(self, planned[place], due)?;
         }
         if self.ends {
             return Ok(false);
