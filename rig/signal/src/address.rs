@@ -46,6 +46,7 @@ pub enum Size {
 
 impl Size {
     /// Number of bits: 1, 8, 16, 32 or 64.
+    #[inline]
     pub const fn bits(self) -> u32 {
         match self {
             Size::Bit => 1,
@@ -90,6 +91,7 @@ pub struct AddressLimits {
 
 impl AddressLimits {
     /// Number of bits of an area.
+    #[inline]
     pub const fn bits(&self, area: Area) -> u32 {
         match area {
             Area::Input => self.input_bits,

@@ -103,15 +103,13 @@ impl Image {
 
     #[inline]
     fn read<const N: usize>(&self, at: usize) -> Option<[u8; N]> {
-        self.bytes.get(at..at + N)?.try_into().ok()
+        self.bytes.get(at..)?.first_chunk().copied()
     }
 
     #[inline]
     fn write<const N: usize>(&mut self, at: usize, new: [u8; N]) -> bool {
-        let Some(place) = self.bytes.get_mut(at..at + N) else { return false };
-        let changed = place != new;
-        place.copy_from_slice(&new);
-        changed
+        let place = self.bytes.get_mut(at..).and_then(|rest| rest.first_chunk_mut());
+        place.is_some_and(|place| std::mem::replace(place, new) != new)
     }
 }
 

@@ -162,8 +162,10 @@ pub(crate) fn run<const DEBUG: bool>(
                 let at: u32 = $at;
                 let bytes = value.to_le_bytes();
                 let first = at as usize;
-                match (memory.get_mut(first..first + bytes.len()), flags.get(first)) {
-                    (Some(to), Some(0)) => to.copy_from_slice(&bytes),
+                // As an array: a copy of a slice is a call.
+                let to = memory.get_mut(first..).and_then(|rest| rest.first_chunk_mut());
+                match (to, flags.get(first)) {
+                    (Some(to), Some(0)) => *to = bytes,
                     _ => settle!(world.store(
                         memory,
                         at,

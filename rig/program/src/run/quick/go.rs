@@ -51,8 +51,10 @@ impl Quick {
                     ($at:expr, $value:expr) => {{
                         let bytes = $value.to_le_bytes();
                         let first: usize = $at;
-                        match (memory.get_mut(first..first + bytes.len()), flags.get(first)) {
-                            (Some(to), Some(0)) => to.copy_from_slice(&bytes),
+                        // As an array: a copy of a slice is a call.
+                        let to = memory.get_mut(first..).and_then(|rest| rest.first_chunk_mut());
+                        match (to, flags.get(first)) {
+                            (Some(to), Some(0)) => *to = bytes,
                             _ => break 'run,
                         }
                     }};
