@@ -391,14 +391,24 @@ impl Circuit {
         }
     }
 
-    /// Levels that meet on a line have a winner; values that meet do not.
-    fn check_sources(&self, errors: &mut Vec<CircuitError>) {
-        let mut driven = vec![false; self.channels.len()];
+    /// The channels that wires and plants drive.
+    fn targets(&self) -> impl Iterator<Item = (CircuitPart, ChannelId)> {
         let wires = self.wires.iter().enumerate().map(|(place, wire)| (CircuitPart::Wire(place), wire.to));
         let plants = self.plants.iter().enumerate().flat_map(|(place, plant)| {
             plant.outputs().into_iter().map(move |port| (CircuitPart::Plant(place), port.channel))
         });
-        for (part, to) in wires.chain(plants) {
+        wires.chain(plants)
+    }
+
+    /// Whether a wire or a plant drives the channel.
+    pub(crate) fn is_target(&self, channel: ChannelId) -> bool {
+        self.targets().any(|(_, to)| to == channel)
+    }
+
+    /// Levels that meet on a line have a winner; values that meet do not.
+    fn check_sources(&self, errors: &mut Vec<CircuitError>) {
+        let mut driven = vec![false; self.channels.len()];
+        for (part, to) in self.targets() {
             if self.digital(to) == Ok(false) && std::mem::replace(&mut driven[usize::from(to.0)], true) {
                 errors.push(CircuitError { part, fault: CircuitFault::TwoSources(to) });
             }

@@ -125,6 +125,19 @@ impl BoardFile {
         let refused = |code, message: String, help: String| {
             Some(Diagnostic::error(code, message).at(&self.name, 0..0, "").help(help))
         };
+        if address.area() == Area::Output
+            && *kind != ModuleTerminalKind::Level
+            && self.circuit.is_target(channel)
+        {
+            let message = format!(
+                "`{name}` is an output of the controller, and a wire or plant of the board drives it, too"
+            );
+            return refused(
+                codes::TWO_SOURCES,
+                message,
+                String::from("turn the wire round, or give the plant another channel"),
+            );
+        }
         let (is, wanted) = match (kind, &self.circuit.channels[usize::from(channel.0)].kind) {
             (ModuleTerminalKind::Level, ChannelKind::Digital) => return None,
             // The terminal makes a level of a voltage.
@@ -183,6 +196,8 @@ fn channel_of(terminal: &ModuleTerminal) -> ChannelSpec {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::circuit::WireSpec;
+    use signal::Span;
 
     fn terminal(name: &str, address: &str, unit: Option<&str>) -> ModuleTerminal {
         let kind = match unit {
@@ -217,6 +232,21 @@ mod tests {
         let level = || terminal("M1.I0", "%IX4.0", None);
         assert!(bind(ChannelSpec::analog("M1.I0", "V"), level()).is_ok());
         assert_eq!(bind(ChannelSpec::analog("M1.I0", "mA"), level()).unwrap_err(), codes::BINDING);
+    }
+
+    /// A wire that was laid the wrong way round had no effect, and nothing said so.
+    #[test]
+    fn a_wire_into_an_output_is_refused() {
+        for (to, fits) in [(0, false), (1, true)] {
+            let mut board = BoardFile::default_for(&[], &[]);
+            board.circuit.channels = ["M1.QW0", "level"].map(|name| ChannelSpec::analog(name, "V")).into();
+            let (from, to) = (ChannelId(1 - to), ChannelId(to));
+            let wire = WireSpec { from, to, delay: Span::ZERO, off_delay: None, invert: false, bounce: None };
+            board.circuit.wires.push(wire);
+            let bound = board.bind_modules(&[terminal("M1.QW0", "%QW2", Some("V"))]);
+            let code = bound.err().map(|found| found[0].code);
+            assert_eq!(code, (!fits).then_some(codes::TWO_SOURCES), "to {to:?}");
+        }
     }
 
     #[test]

@@ -204,7 +204,9 @@ fn the_variables_of_all_plants_have_a_limit_together() {
     let plant = "PROGRAM P VAR_OUTPUT n : DINT; END_VAR VAR all : ARRAY [0..1000000] OF BYTE; END_VAR n := 1; END_PROGRAM";
     let check = |count: usize| {
         let one = |n: usize| {
-            format!("[[plants]]\nkind = \"program\"\nname = \"p{n}\"\nprogram = \"plant.st\"\nperiod = \"1 s\"\n")
+            format!(
+                "[[plants]]\nkind = \"program\"\nname = \"p{n}\"\nprogram = \"plant.st\"\nperiod = \"1 s\"\n"
+            )
         };
         let more: String = (1..count).map(one).collect();
         let (plan, board) = (plan(ENDS), board("1 s", &format!("outputs = {{ n = \"x\" }}\n{more}")));

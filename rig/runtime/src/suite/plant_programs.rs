@@ -60,7 +60,10 @@ impl<'a> BoardPrograms<'a> {
         if read.bytes > TOGETHER {
             let message =
                 format!("the variables of the programs of all plants need more than {} MiB", TOGETHER >> 20);
-            return Err(unsuited(message, "declare less in them, or have one program do the work of several"));
+            return Err(unsuited(
+                message,
+                "declare less in them, or have one program do the work of several",
+            ));
         }
         Ok(of)
     }
