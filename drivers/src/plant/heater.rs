@@ -5,6 +5,7 @@ use std::sync::Arc;
 use document::{KeySpec, KeyType};
 use signal::{Random, Span, Time, Value};
 
+use super::decimals::Decimals;
 use super::second_order::SecondOrder;
 use super::{PlantKind, PlantReader, SwitchSpec, lag, reader, switches};
 use crate::channel::ChannelId;
@@ -120,7 +121,7 @@ struct Heater {
 
 impl Heater {
     fn target(&self) -> f64 {
-        self.ambient + if self.broken { 0.0 } else { self.rise * self.power }
+        Decimals::sum(self.ambient, if self.broken { 0.0 } else { self.rise * self.power })
     }
 }
 

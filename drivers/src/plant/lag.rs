@@ -5,6 +5,7 @@ use std::sync::Arc;
 use document::{KeySpec, KeyType};
 use signal::{Random, Span, Time, Value};
 
+use super::decimals::Decimals;
 use super::{PlantKind, PlantReader, SwitchSpec, reader, switches};
 use crate::channel::ChannelId;
 use crate::circuit::{CircuitFault, ParameterKind, Plant, PlantInput, PlantParameter, PlantPort, PlantSpec};
@@ -69,7 +70,9 @@ impl LagTarget {
                     low
                 }
             }
-            LagTarget::Linear { offset, gain } => offset + gain * input.as_real().unwrap_or(0.0),
+            LagTarget::Linear { offset, gain } => {
+                Decimals::sum(offset, gain * input.as_real().unwrap_or(0.0))
+            }
         }
     }
 

@@ -4,10 +4,12 @@
 mod conveyor;
 mod cylinder;
 mod dead_time;
+mod decimals;
 mod drive;
 mod heater;
 mod lag;
 mod motor;
+mod position;
 mod program;
 mod reader;
 mod sampled;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use document::{KeySpec, KeyType};
 use signal::{Random, Span, Time, Value};
 
+use super::decimals::Decimals;
 use super::drive::{self, Drive, DriveSpec};
 use super::sampled::SampledValue;
 use super::{PlantKind, PlantReader, lag, reader};
@@ -144,7 +145,10 @@ impl PlantSpec for MotorSpec {
             angle: Course::constant(Time::ZERO, 0.0),
             count: 0,
             edge: None,
-            shown: self.output.map(|(_, scale)| (SampledValue::new(self.sample, &[]), scale)),
+            shown: self.output.map(|(_, scale)| {
+                let decimals = Decimals::new(self.drive.speed * scale, 0.0);
+                (SampledValue::new(self.sample, &[]).resting_at(decimals), scale)
+            }),
             encoder: self.phases.map(|_| usize::from(self.output.is_some())),
             outputs: vec![Value::HighZ; count],
         })

@@ -2,6 +2,7 @@
 
 use signal::{Span, Time, Value};
 
+use super::decimals::{Decimals, ShownRange};
 use super::switches::{SwitchSpec, Switches};
 use crate::course::Course;
 
@@ -18,13 +19,35 @@ pub(super) struct SampledValue {
     sample: Span,
     started: Time,
     next: Option<Time>,
+    range: Option<ShownRange>,
+    rests_at: Option<Decimals>,
 }
 
 impl SampledValue {
     /// A value with these comparators; its outputs are the samples, then the comparators.
     pub(super) fn new(sample: Span, switches: &[SwitchSpec]) -> SampledValue {
         let course = Course::constant(Time::ZERO, 0.0);
-        SampledValue { course, switches: Switches::new(switches), sample, started: Time::ZERO, next: None }
+        let (switches, started) = (Switches::new(switches), Time::ZERO);
+        SampledValue { course, switches, sample, started, next: None, range: None, rests_at: None }
+    }
+
+    /// The same of a value with a range.
+    pub(super) fn within(self, range: ShownRange) -> SampledValue {
+        SampledValue { range: Some(range), switches: self.switches.eased(range.room()), ..self }
+    }
+
+    /// The same of a value that comes to rest at such numbers.
+    pub(super) fn resting_at(self, decimals: Decimals) -> SampledValue {
+        SampledValue { rests_at: Some(decimals), ..self }
+    }
+
+    /// What the output shows of a value of this course.
+    fn shown(&self, course: &Course, value: f64) -> f64 {
+        match (self.range, self.rests_at) {
+            (Some(range), _) => range.shown(value),
+            (_, Some(decimals)) if course.is_settled_with(value) => decimals.nearest(value),
+            _ => value,
+        }
     }
 
     pub(super) fn course(&self) -> &Course {
@@ -35,7 +58,7 @@ impl SampledValue {
         self.started = now;
         self.next = None;
         let value = course.value(now);
-        outputs[0] = Value::Real(value);
+        outputs[0] = Value::Real(self.shown(&course, value));
         self.switches.start(value, &mut outputs[1..]);
         self.go_on(now, course, outputs[0]);
     }
@@ -52,7 +75,7 @@ impl SampledValue {
 
     /// The value goes on by another course, from another value: its output shows that at once.
     pub(super) fn jump(&mut self, now: Time, course: Course, output: &mut Value) {
-        *output = Value::Real(course.value(now));
+        *output = Value::Real(self.shown(&course, course.value(now)));
         self.next = None;
         self.go_on(now, course, *output);
     }
@@ -71,7 +94,7 @@ impl SampledValue {
 
     /// Whether it stays at this value, which it has, and that is shown.
     fn stays(&self, value: f64, shown: Value) -> bool {
-        shown.as_real() == Some(value) && self.course.is_settled_with(value)
+        shown.as_real() == Some(self.shown(&self.course, value)) && self.course.is_settled_with(value)
     }
 
     /// The instant of the grid after one of its own.
@@ -94,12 +117,12 @@ impl SampledValue {
     pub(super) fn advance(&mut self, now: Time, outputs: &mut [Value]) {
         if self.next == Some(now) {
             let value = self.course.value(now);
-            outputs[0] = Value::Real(value);
+            outputs[0] = Value::Real(self.shown(&self.course, value));
             self.next = if self.stays(value, outputs[0]) { None } else { self.sample_after(now) };
         } else if self.next.is_some_and(|due| due <= now) {
             // Where a call spans several samples the output is the newest of them.
             let at = self.grid(now, 0).unwrap_or(now).max(self.course.since());
-            outputs[0] = Value::Real(self.course.value(at));
+            outputs[0] = Value::Real(self.shown(&self.course, self.course.value(at)));
             self.plan_sample(now, outputs[0]);
         }
         self.switches.advance(now, &self.course, &mut outputs[1..]);

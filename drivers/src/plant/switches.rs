@@ -84,6 +84,17 @@ impl Switches {
         Switches { list: list.iter().map(switch).collect() }
     }
 
+    /// Thresholds of a value that rounding can have moved by so much: one that it exactly reaches is reached, also where it turns
+    /// back or stops there.
+    pub(super) fn eased(mut self, room: f64) -> Switches {
+        for switch in &mut self.list {
+            let room = room.min((switch.on_above - switch.off_below) / 4.0);
+            switch.on_above -= room;
+            switch.off_below += room;
+        }
+        self
+    }
+
     /// At the start each is on where the value has reached its upper threshold.
     pub(super) fn start(&mut self, value: f64, outputs: &mut [Value]) {
         for (switch, output) in self.list.iter_mut().zip(outputs) {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use document::{KeySpec, KeyType};
 use signal::{Random, Span, Time, Value};
 
+use super::decimals::ShownRange;
 use super::sampled::SampledValue;
 use super::{PlantKind, PlantReader, reader};
 use crate::channel::ChannelId;
@@ -97,13 +98,18 @@ impl PlantSpec for TransmitterSpec {
     }
 
     fn build(&self, random: Random) -> Box<dyn Plant> {
+        let ((from, to), (low, high)) = (self.range, self.signal);
+        let scale = (high - low) / (to - from);
+        let most = libm::fabs(from * scale).max(libm::fabs(to * scale));
+        let range = ShownRange::new(self.limits.0, self.limits.1, most);
         Box::new(Transmitter {
             spec: self.clone(),
             errors: Errors::NONE,
             input: NOTHING,
             is_exact: false,
             turns: None,
-            value: SampledValue::new(self.sample, &[]),
+            range,
+            value: SampledValue::new(self.sample, &[]).within(range),
             seed: random,
             random,
             ticks: None,
@@ -146,6 +152,7 @@ struct Transmitter {
     is_exact: bool,
     /// When it comes to a limit, or leaves it.
     turns: Option<Time>,
+    range: ShownRange,
     value: SampledValue,
     seed: Random,
     random: Random,
@@ -200,7 +207,8 @@ impl Transmitter {
             let margin = (high - low) * 1e-12;
             let turns = [raw.falls_to(low - margin, now), raw.rises_to(high + margin, now)];
             self.turns = turns.into_iter().flatten().min();
-            raw
+            // What stays is what is shown of it, for what comes after this transmitter, too.
+            if raw.is_constant() { Course::constant(now, self.range.shown(value)) } else { raw }
         };
         let before = self.value.course().value(now);
         let jumps = libm::fabs(course.value(now) - before) > (high - low) * 1e-9;

@@ -6,6 +6,8 @@ use document::{KeySpec, KeyType};
 use signal::{Random, Span, Time, Value};
 
 use super::PlantReader;
+use super::decimals::ShownRange;
+use super::position::{self, SAME, WAY, travelled};
 use super::sampled::SampledValue;
 use crate::channel::ChannelId;
 use crate::circuit::{CircuitFault, ParameterKind, Plant, PlantInput, PlantParameter, PlantPort, PlantSpec};
@@ -132,15 +134,20 @@ impl PlantSpec for TravelSpec {
     }
 
     fn build(&self, _random: Random) -> Box<dyn Plant> {
+        let range = ShownRange::new(0.0, 100.0, 100.0);
         Box::new(Travel {
+            initial: position::of(self.initial, 1),
+            reach: position::of(self.reach, 1),
             spec: self.clone(),
-            times: [0.0; 2],
+            times: [1; 2],
             stuck: false,
             out: Value::HighZ,
             back: Value::HighZ,
-            position: Course::constant(Time::ZERO, 0.0),
+            since: Time::ZERO,
+            from: 0,
+            target: 0,
             due: None,
-            shown: self.output.map(|_| SampledValue::new(self.sample, &[])),
+            shown: self.output.map(|_| SampledValue::new(self.sample, &[]).within(range)),
             outputs: vec![Value::HighZ; self.outputs().len()],
         })
     }
@@ -150,12 +157,18 @@ impl PlantSpec for TravelSpec {
 #[derive(Debug)]
 struct Travel {
     spec: TravelSpec,
-    times: [f64; 2],
+    /// Positions, as all here.
+    initial: i128,
+    reach: i128,
+    /// Nanoseconds from end to end, out and back.
+    times: [i64; 2],
     stuck: bool,
     out: Value,
     back: Value,
-    /// From 0 to 1.
-    position: Course,
+    /// It was at `from` then, and goes to `target` since.
+    since: Time,
+    from: i128,
+    target: i128,
     /// When it arrives, or an end switch changes.
     due: Option<Time>,
     shown: Option<SampledValue>,
@@ -164,68 +177,69 @@ struct Travel {
 
 impl Travel {
     /// Where it is sent; `None`: it stays.
-    fn target(&self) -> Option<f64> {
+    fn sent(&self) -> Option<i128> {
         let on = |value: Value| value == Value::Bool(true);
+        let end = |out: bool| if out { WAY } else { 0 };
         match self.out {
             _ if self.stuck => None,
-            Value::Real(percent) => Some((percent / 100.0).clamp(0.0, 1.0)),
-            out if self.spec.back.is_none() => Some(f64::from(u8::from(on(out)))),
+            Value::Real(percent) => Some(position::of(percent, 100)),
+            out if self.spec.back.is_none() => Some(end(on(out))),
             out => match (on(out), on(self.back)) {
-                (true, false) => Some(1.0),
-                (false, true) => Some(0.0),
+                (true, false) => Some(end(true)),
+                (false, true) => Some(end(false)),
                 _ => None,
             },
         }
     }
 
-    fn plan(&mut self, now: Time, position: f64) {
-        let target = self.target().unwrap_or(position);
-        let time = if target > position { self.times[0] } else { -self.times[1] };
-        self.position = match target == position {
-            true => Course::constant(now, position),
-            false => Course::line(now, position, 1.0 / time),
-        };
-        let arrives = match time > 0.0 {
-            true => self.position.rises_to(target, now),
-            false => self.position.falls_to(target, now),
-        };
-        let moves = target != position;
-        let [high, low] = [1.0 - self.spec.reach, self.spec.reach];
-        // An end switch changes where the position passes its threshold on the way.
-        let passes = |at: f64| match time > 0.0 {
-            true => (position < at && at <= target).then(|| self.position.rises_to(at, now)).flatten(),
-            false => {
-                (position >= at && target < at).then(|| self.position.falls_to(at - MARGIN, now)).flatten()
-            }
-        };
-        let passes_low = |at: f64| match time > 0.0 {
-            true => {
-                (position <= at && at < target).then(|| self.position.rises_to(at + MARGIN, now)).flatten()
-            }
-            false => (position > at && target <= at).then(|| self.position.falls_to(at, now)).flatten(),
-        };
-        self.due = match moves {
-            true => arrives.into_iter().chain(passes(high)).chain(passes_low(low)).min(),
-            false => None,
-        };
-        if let Some(shown) = &mut self.shown {
-            shown.go_on(now, self.position.mapped(0.0, 100.0), self.outputs[0]);
-        }
+    /// How long it takes from end to end, the way it goes.
+    fn time(&self) -> i64 {
+        self.times[usize::from(self.target < self.from)]
     }
 
     /// Its position, held at where it is sent.
-    fn at(&self, now: Time) -> f64 {
-        let value = self.position.value(now);
-        let sent = match (self.target(), self.position.slope(now)) {
-            (Some(target), slope) if slope > 0.0 => value.min(target),
-            (Some(target), slope) if slope < 0.0 => value.max(target),
-            _ => value,
-        };
-        sent.clamp(0.0, 1.0)
+    fn at(&self, now: Time) -> i128 {
+        let nanos = now.as_nanos().saturating_sub(self.since.as_nanos()).max(0);
+        let travelled = travelled(nanos, self.time());
+        let left = (self.target - self.from).abs() - travelled;
+        match left <= SAME {
+            true => self.target,
+            false => self.from + if self.target > self.from { travelled } else { -travelled },
+        }
     }
 
-    fn show_ends(&mut self, position: f64) {
-        let on = [position >= 1.0 - self.spec.reach, position <= self.spec.reach];
+    /// Which end switches are on at a position: from their thresholds on, whichever way it comes there.
+    fn ends(&self, position: i128) -> [bool; 2] {
+        [position >= WAY - self.reach - SAME, position <= self.reach + SAME]
+    }
+
+    /// It goes on from a position.
+    fn plan(&mut self, now: Time, position: i128) {
+        (self.since, self.from) = (now, position);
+        self.target = self.sent().unwrap_or(position);
+        let distance = (self.target - position).abs();
+        let (time, out) = (self.time(), self.target > position);
+        // Those after which `ends` says otherwise.
+        let [high, low] = [WAY - self.reach - SAME, self.reach + SAME];
+        let places = if out { [high, low + 1] } else { [high - 1, low] };
+        let passed = places.map(|place| if out { place - position } else { position - place });
+        let passed = passed.into_iter().filter(|passed| *passed > 0 && *passed <= distance);
+        let nearest = passed.chain((distance > 0).then(|| (distance - SAME).max(1))).min();
+        self.due = nearest.and_then(|distance| {
+            now.as_nanos().checked_add(position::nanos_to(distance, time)).map(Time::from_nanos)
+        });
+        if let Some(shown) = &mut self.shown {
+            let slope = 1e11 / time as f64;
+            let course = match distance {
+                0 => Course::constant(now, position::percent(position)),
+                _ => Course::line(now, position::percent(position), if out { slope } else { -slope }),
+            };
+            shown.go_on(now, course, self.outputs[0]);
+        }
+    }
+
+    fn show_ends(&mut self, position: i128) {
+        let on = self.ends(position);
         let first = usize::from(self.shown.is_some());
         let ends = self.spec.ends.iter().zip(on).filter(|(end, _)| end.is_some());
         for (output, (_, on)) in self.outputs[first..].iter_mut().zip(ends) {
@@ -235,6 +249,7 @@ impl Travel {
 
     /// Something else sends it somewhere: it goes on from where it is.
     fn change(&mut self, now: Time, change: impl FnOnce(&mut Travel)) {
+        // What is due at this very instant still comes then.
         let due = self.due.filter(|due| *due <= now);
         let position = self.at(now);
         change(self);
@@ -243,17 +258,14 @@ impl Travel {
     }
 }
 
-/// How far beyond the threshold of an end switch the position is when it leaves it.
-const MARGIN: f64 = 1e-12;
-
 impl Plant for Travel {
     fn start(&mut self, now: Time) {
-        self.times = self.spec.times.map(span_seconds);
+        self.times = self.spec.times.map(Span::as_nanos);
         self.stuck = false;
         (self.out, self.back) = (Value::HighZ, Value::HighZ);
-        let initial = self.spec.initial;
+        let initial = self.initial;
         if let Some(shown) = &mut self.shown {
-            shown.start(now, Course::constant(now, 100.0 * initial), &mut self.outputs[..1]);
+            shown.start(now, Course::constant(now, position::percent(initial)), &mut self.outputs[..1]);
         }
         self.show_ends(initial);
         self.plan(now, initial);
@@ -292,12 +304,14 @@ impl Plant for Travel {
     }
 
     fn set(&mut self, now: Time, parameter: usize, value: f64) {
+        // The range of a time fits into nanoseconds.
+        let nanos = (libm::round(value * 1e9) as i64).max(1);
         self.change(now, |travel| match parameter {
             0 => travel.stuck = value != 0.0,
             // A valve has one time for both ways.
-            1 if travel.spec.keys[0] == travel.spec.keys[1] => travel.times = [value; 2],
-            1 => travel.times[0] = value,
-            _ => travel.times[1] = value,
+            1 if travel.spec.keys[0] == travel.spec.keys[1] => travel.times = [nanos; 2],
+            1 => travel.times[0] = nanos,
+            _ => travel.times[1] = nanos,
         });
     }
 }
