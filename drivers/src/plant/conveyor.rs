@@ -145,8 +145,16 @@ struct Conveyor {
     outputs: Vec<Value>,
 }
 
-/// How far below a place on its moved back the belt is beyond it, in metres.
-const MARGIN: f64 = 1e-12;
+/// From where on the belt is at a place, both in metres: where rounding has put it just short of the place it is there. On its way
+/// back it leaves the place below this.
+fn edge(place: f64) -> f64 {
+    place - margin(place, 1e-13)
+}
+
+/// Whether the belt is at a place or beyond it.
+fn is_at(moved: f64, place: f64) -> bool {
+    moved >= edge(place)
+}
 
 impl Conveyor {
     fn plan_belt(&mut self, now: Time) {
@@ -167,17 +175,16 @@ impl Conveyor {
         let moved = self.moved.value(now);
         let (mut above, mut below) = (f64::INFINITY, f64::NEG_INFINITY);
         for place in self.parts.iter().flat_map(|came| self.places(*came)) {
-            if place > moved {
+            if !is_at(moved, place) {
                 above = above.min(place);
             } else {
                 below = below.max(place);
             }
         }
         let moves = !(self.moved.is_constant());
-        let up = (moves && above.is_finite()).then(|| self.moved.rises_to(above, now)).flatten();
-        let down = (moves && below.is_finite())
-            .then(|| self.moved.falls_to(below - margin(below, MARGIN), now))
-            .flatten();
+        let up = (moves && above.is_finite()).then(|| self.moved.rises_to(edge(above), now)).flatten();
+        let down =
+            (moves && below.is_finite()).then(|| self.moved.falls_to(edge(below).next_down(), now)).flatten();
         self.due = up.into_iter().chain(down).min();
     }
 
@@ -185,9 +192,9 @@ impl Conveyor {
     fn show(&mut self, now: Time) {
         let moved = self.moved.value(now);
         let (part, length) = (self.part, self.length);
-        self.parts.retain(|came| moved >= *came && moved < came + length + part);
+        self.parts.retain(|came| is_at(moved, *came) && !is_at(moved, came + length + part));
         for (output, at) in self.outputs.iter_mut().zip(&self.eyes) {
-            let before = |came: &f64| moved >= came + at && moved < came + at + part;
+            let before = |came: &f64| is_at(moved, came + at) && !is_at(moved, came + at + part);
             *output = Value::Bool(self.parts.iter().any(before));
         }
     }
