@@ -5,6 +5,7 @@ use std::sync::Arc;
 use document::{KeySpec, KeyType};
 use signal::{Random, Span, Time, Value};
 
+use super::decimals::ShownRange;
 use super::sampled::SampledValue;
 use super::{PlantKind, PlantReader, SwitchSpec, reader, switches};
 use crate::channel::ChannelId;
@@ -370,7 +371,8 @@ impl Tank {
             net: Course::constant(Time::ZERO, 0.0),
             place: Place::Between,
             turns: None,
-            value: SampledValue::new(spec.sample, &spec.switches),
+            value: SampledValue::new(spec.sample, &spec.switches)
+                .within(ShownRange::new(0.0, spec.full, spec.full)),
             overflow: spec.overflow.map(|_| count),
             overflows: false,
             overflow_changes: None,
@@ -522,7 +524,7 @@ impl Plant for Tank {
             // The end is reached at this instant, and its switches may be at it.
             self.value.advance(now, &mut self.outputs[..shown]);
         }
-        if reached || self.overflow_changes.is_some_and(|due| due <= now) {
+        if self.overflow_changes.is_some_and(|due| due <= now) {
             self.show_overflow();
         }
     }
