@@ -131,10 +131,12 @@ impl SimulatedBoard {
     }
 
     /// Finds out which plants take how their lines go on: those from which no way over lines leads back to the plant that
-    /// drives the line.
+    /// drives the line. A digital line closes no ring: it changes at instants, and its plant goes on from there.
     fn find_rings(&mut self) {
         let after = |plant: usize| {
-            let lines = self.plants[plant].outputs.iter();
+            let is_digital =
+                |line: &&ChannelId| self.channels[usize::from(line.0)].kind == crate::ChannelKind::Digital;
+            let lines = self.plants[plant].outputs.iter().filter(move |line| !is_digital(line));
             lines.flat_map(|line| self.links[usize::from(line.0)].plants_out.iter().map(|end| end.plant))
         };
         let mut rings = Vec::new();
