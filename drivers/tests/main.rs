@@ -10,6 +10,7 @@ mod faults;
 mod generating;
 mod gpio;
 mod lines;
+mod plant_instants;
 mod plant_kinds;
 mod plant_programs;
 mod plants;

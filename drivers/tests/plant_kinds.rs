@@ -16,14 +16,14 @@ fn terminals(_: &Subject) -> Result<Terminals, UnknownSubject> {
     Ok(Terminals { inputs: addresses("I"), outputs: addresses("Q"), ports: Vec::new(), modules: Vec::new() })
 }
 
-struct Bench {
-    file: BoardFile,
-    board: Box<dyn Board>,
+pub(super) struct Bench {
+    pub(super) file: BoardFile,
+    pub(super) board: Box<dyn Board>,
 }
 
 impl Bench {
     /// A started board with these channels and plants.
-    fn new(text: &str) -> Bench {
+    pub(super) fn new(text: &str) -> Bench {
         let text = format!("format = 1\n{text}");
         let file =
             read(&SourceFile::new("b.toml", text), &terminals).unwrap_or_else(|found| panic!("{found:#?}"));
@@ -33,21 +33,21 @@ impl Bench {
         Bench { file, board }
     }
 
-    fn write(&mut self, seconds: f64, name: &str, value: Value) {
+    pub(super) fn write(&mut self, seconds: f64, name: &str, value: Value) {
         let channel = self.file.find(name).unwrap();
-        self.board.write(at((seconds * 1e9) as i64), &[(channel, value)]).unwrap();
+        self.board.write(at((seconds * 1e9).round() as i64), &[(channel, value)]).unwrap();
     }
 
     /// What a channel changes to up to an instant.
-    fn until(&mut self, seconds: f64, name: &str) -> Vec<(i64, Value)> {
+    pub(super) fn until(&mut self, seconds: f64, name: &str) -> Vec<(i64, Value)> {
         let channel = self.file.find(name).unwrap();
-        changes(&poll(&mut *self.board, (seconds * 1e9) as i64), channel.0)
+        changes(&poll(&mut *self.board, (seconds * 1e9).round() as i64), channel.0)
     }
 
-    fn set(&mut self, seconds: f64, parameter: &str, value: f64) {
+    pub(super) fn set(&mut self, seconds: f64, parameter: &str, value: f64) {
         let place =
             self.file.circuit.plants[0].parameters().iter().position(|one| one.name == parameter).unwrap();
-        self.board.set_parameter(at((seconds * 1e9) as i64), 0, place, value).unwrap();
+        self.board.set_parameter(at((seconds * 1e9).round() as i64), 0, place, value).unwrap();
     }
 }
 
