@@ -36,7 +36,7 @@ pub fn value(value: Value, of: &Signal) -> String {
         return Span::from_nanos(nanos).to_string();
     }
     let label = match (of.kind, value.as_int()) {
-        (SignalKind::State, Some(number)) => {
+        (SignalKind::State | SignalKind::Word, Some(number)) => {
             of.labels.iter().find(|(known, _)| i128::from(*known) == number).map(|(_, label)| label.clone())
         }
         _ => None,
@@ -132,6 +132,12 @@ mod tests {
         assert_eq!(
             (value(Value::Int(3), &state), value(Value::Int(4), &state)),
             ("RUNNING".into(), "4".into())
+        );
+        // A member of a system structure is a word.
+        let word = signal(SignalKind::Word, "", &[(2, "PLC_R_RUNNING")]);
+        assert_eq!(
+            (value(Value::Word(2), &word), value(Value::Word(7), &word)),
+            ("PLC_R_RUNNING".into(), "7".into())
         );
         let volts = signal(SignalKind::Real, "V", &[]);
         assert_eq!(value(Value::Real(0.5), &volts), "0.5 V");

@@ -9,6 +9,7 @@ use crate::scan_port::ObservedSource;
 use control::{RequestFault, Signal, SignalKind};
 use controller::Probe;
 use drivers::{BoardFile, Channel, ChannelId, ChannelKind};
+use profile::SystemVariable;
 use signal::{Address, AddressLimits, Area, Value, ValueKind};
 use std::collections::BTreeMap;
 
@@ -254,7 +255,12 @@ impl Directory {
         };
         let is_time = matches!(probe, Probe::Variable(_)) && self.catalogue.times(name).is_some();
         let unit = if is_time { String::from("ns") } else { String::new() };
-        let found = Signal { unit, labels: found.labels(), ..signal(&spelling, kind_of(kind), writable) };
+        // A trace has the number of a system variable, a client shows and takes the names of its values, too.
+        let labels = match probe {
+            Probe::System(variable) => labels_of(variable),
+            _ => found.labels(),
+        };
+        let found = Signal { unit, labels, ..signal(&spelling, kind_of(kind), writable) };
         Ok((ObservedSource::Inside(probe), found))
     }
 
@@ -278,6 +284,12 @@ impl Directory {
         let names = channels.chain(self.signals.iter().map(|known| known.signal.name.as_str()));
         fault::unknown(name, document::suggest(name, names))
     }
+}
+
+/// The names of the values of a system variable, by their numbers; none without an enumeration.
+fn labels_of(variable: SystemVariable) -> Vec<(i64, String)> {
+    let values = variable.field.member().enumeration.map_or(&[][..], |one| one.values);
+    values.iter().map(|(name, number)| (i64::from(*number), (*name).to_owned())).collect()
 }
 
 const fn kind_of(kind: ValueKind) -> SignalKind {

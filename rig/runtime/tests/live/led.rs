@@ -162,6 +162,11 @@ fn a_description_has_what_is_on_the_front_and_inside() {
         let count = signal("MAIN.count");
         assert_eq!((count.unit.as_str(), signal("MAIN.tick.PT").unit.as_str()), ("", "ns"));
         assert_eq!((count.kind, count.writable), (SignalKind::Int, true));
+        // The values of a system variable have names where they have an enumeration.
+        let state = signal("PLC_R.i_wStatus");
+        assert_eq!((state.kind, &state.labels[2]), (SignalKind::Word, &(2, String::from("PLC_R_RUNNING"))));
+        assert!(signal("PLC_R.i_wVendorID").labels.is_empty());
+        assert!(signal("SERIAL_W[1].q_wResetCounter").writable && !signal("ETH_R.i_byIPAddress[3]").writable);
         bench.advance(MS(2_000));
         let status = bench.rig.status();
         assert_eq!(status.points.len(), described.points.len());
