@@ -231,7 +231,7 @@ fn jobs_change_nothing_but_the_time() {
 fn a_case_does_not_apply_on_another_board_without_its_channel_or_plant() {
     let bench = TestProject::new();
     let own = "format = 1\n[board]\nkind = \"simulated\"\n[channels]\nlevel = { kind = \"analog\", unit = \"m\" }\n\
-        [[plants]]\nkind = \"tank\"\nname = \"tank\"\narea = \"1 m2\"\nheight = \"2 m\"\nlevel = \"level\"\n";
+        [[plants]]\nkind = \"tank\"\nname = \"tank\"\narea = \"1 m2\"\nheight = \"2 m\"\noutput = \"level\"\nsample = \"100 ms\"\n";
     bench.write("own.toml", own);
     bench.write("other.toml", "format = 1\n[board]\nkind = \"simulated\"\n");
     let plan = |what: &str| {

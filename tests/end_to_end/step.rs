@@ -62,7 +62,7 @@ fn an_invariant_is_open_up_to_the_end() {
     let ran = step(&bench, &["lamp.toml"], "until 1.2 s\nclaims\nrun\n");
     assert_eq!(ran.code, Some(1), "{}", ran.err);
     assert!(!ran.out.contains("decided: "), "{}", ran.out);
-    assert!(ran.out.contains("          open  `lamp` never TRUE"), "{}", ran.out);
+    assert!(ran.out.contains("          open  `lamp` is never TRUE"), "{}", ran.out);
 }
 
 #[test]

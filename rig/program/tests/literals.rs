@@ -157,11 +157,11 @@ fn reals() {
         assert_eq!(value("LREAL", literal).as_real().map(f64::to_bits), Some(double.to_bits()), "{literal}");
         assert_eq!(
             value("REAL", literal).as_real().map(f64::to_bits),
-            Some(f64::from(single).to_bits()),
+            Some(signal::of_single(single).to_bits()),
             "{literal}"
         );
         // With the type in front.
-        assert_eq!(value("REAL", &format!("REAL#{literal}")).as_real(), Some(f64::from(single)));
+        assert_eq!(value("REAL", &format!("REAL#{literal}")).as_real(), Some(signal::of_single(single)));
         assert_eq!(value("LREAL", &format!("LREAL#{literal}")).as_real(), Some(double));
     }
     assert_eq!(value("LREAL", "1.7976931348623157E308").as_real(), Some(f64::MAX));

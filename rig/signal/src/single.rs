@@ -6,7 +6,7 @@ use std::fmt::Write;
 const LONGEST: usize = 24;
 
 /// The number of 64 bits that a REAL stands for: that of the shortest decimal number which is read as it, 21.6 and not
-/// 21.600000381469727. Made a REAL again it is the same.
+/// 21.600000381469727; a whole number is itself. Made a REAL again it is the same.
 pub fn of_single(real: f32) -> f64 {
     let exact = f64::from(real);
     if exact.fract() == 0.0 || !exact.is_finite() {

@@ -137,7 +137,7 @@ mod tests {
         let word = signal(SignalKind::Word, "", &[(2, "PLC_R_RUNNING")]);
         assert_eq!(
             (value(Value::Word(2), &word), value(Value::Word(7), &word)),
-            ("PLC_R_RUNNING".into(), "7".into())
+            ("PLC_R_RUNNING".into(), "16#7".into())
         );
         let volts = signal(SignalKind::Real, "V", &[]);
         assert_eq!(value(Value::Real(0.5), &volts), "0.5 V");

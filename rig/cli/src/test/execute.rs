@@ -148,6 +148,9 @@ fn at_once(args: &TestArgs, real: bool) -> usize {
     }
 }
 
+/// So many events are drawn as waves in less than a second.
+const WAVES_AT_ONCE: u64 = 200_000;
+
 /// Collects the results of a run.
 struct RunCollector {
     run: RunRecord,
@@ -190,8 +193,8 @@ impl RunCollector {
         if !self.trace_on.keeps(record) {
             return;
         }
-        // Waves take the longest by far, and whoever interrupts does not wait: `rig report` draws them from the trace.
-        let waves = !INTERRUPT.load(Ordering::Relaxed);
+        // Waves take the longest by far, and whoever interrupts does not wait for many: `rig report` draws them from the trace.
+        let waves = trace.len() <= WAVES_AT_ONCE || !INTERRUPT.load(Ordering::Relaxed);
         let kept = folder.trace(record, trace, waves).and_then(|path| {
             if record.frames.is_some() {
                 folder.frames(&path, frames)?;

@@ -54,7 +54,7 @@ fn same(v: V, found: Value) -> bool {
     match (v, found) {
         (V::N(n), found) => found.as_int() == Some(n),
         (V::F(n), Value::Real(found)) => {
-            n.is_nan() && found.is_nan() || f64::from(n).to_bits() == found.to_bits()
+            n.is_nan() && found.is_nan() || signal::of_single(n).to_bits() == found.to_bits()
         }
         (V::D(n), Value::Real(found)) => n.is_nan() && found.is_nan() || n.to_bits() == found.to_bits(),
         _ => false,
