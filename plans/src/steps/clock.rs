@@ -28,8 +28,10 @@ pub(super) const SET_CLOCK: StepVerb = StepVerb {
 
 fn read_set_clock(node: &Node, _: &dyn StepNames, out: &mut Findings) -> Option<Stimulus> {
     let text = node.as_text()?.replacen(' ', "T", 1);
-    let Some(seconds) = seconds_of(&text).or_else(|| seconds_of(&format!("{text}Z"))) else {
-        let message = format!("`{text}` is no date and time");
+    let seconds = seconds_of(&text).or_else(|| seconds_of(&format!("{text}Z")));
+    // The clock counts from 1970 on.
+    let Some(seconds) = seconds.filter(|seconds| *seconds >= 0) else {
+        let message = format!("`{text}` is no date and time from 1970 on");
         out.bad(
             codes::STIMULUS,
             node,
